@@ -1,0 +1,1 @@
+# Install and package config; filled in below by targets' own install rules.
