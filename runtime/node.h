@@ -195,6 +195,7 @@ struct Limits {
 };
 
 namespace detail {
+void note_type(const TypeInfo&);
 void read(const Json&, float&);
 void read(const Json&, double&);
 void read(const Json&, int&);
@@ -238,6 +239,7 @@ class Ports {
     }
     template <class T>
     Ports& in(std::string name, std::string text, Need need = Need::required) {
+        detail::note_type(type_info<T>());
         decl_.inputs.push_back({std::move(name), std::move(text), std::string(TypeOf<T>::name), TypeOf<T>::stream, need});
         return *this;
     }
@@ -250,6 +252,7 @@ class Ports {
     }
     template <class T>
     Ports& out(std::string name, std::string text) {
+        detail::note_type(type_info<T>());
         decl_.outputs.push_back({std::move(name), std::move(text), std::string(TypeOf<T>::name), TypeOf<T>::stream});
         decl_.outputs.back().per_batch = is_per_batch<T>();
         return *this;
@@ -301,8 +304,8 @@ class Ports {
         p.name = std::move(name);
         p.about = limits.about;
         p.unit = limits.unit;
-        p.minimum = limits.min;
-        p.maximum = limits.max;
+        p.minimum = std::max(p.minimum, limits.min);
+        p.maximum = std::min(p.maximum, limits.max);
         decl_.params.push_back(std::move(p));
     }
     NodeDecl& decl_;

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "runtime/plan.h"
+
+namespace weft {
+namespace {
+
+std::string output_name(const Graph& graph, Link link) {
+    const GraphNode& node = graph.nodes[size_t(link.node)];
+    return node.name + "." + node.type->outputs[size_t(link.port)].name;
+}
+
+std::string joined(const Graph& graph, const std::vector<Link>& links) {
+    std::string text;
+    for (const Link& link : links) text += (text.empty() ? "" : ", ") + output_name(graph, link);
+    return text;
+}
+
+std::string shape_text(const Shape& shape) {
+    std::string text;
+    if (shape.width > 0) text += fmt::format("{} x {}", shape.width, shape.height);
+    if (shape.channels > 0) text += fmt::format(" x {}", shape.channels);
+    if (shape.records > 0) text += fmt::format("{}{} records", text.empty() ? "" : ", ", shape.records);
+    if (shape.bytes > 0) text += fmt::format("{}{}", text.empty() ? "" : ", ", bytes_text(shape.bytes));
+    return text.empty() ? "size not known before the run" : text;
+}
+
+}  // namespace
+
+std::string bytes_text(double bytes) {
+    if (bytes >= 1e9) return fmt::format("{:.3g} GB", bytes / 1e9);
+    if (bytes >= 1e6) return fmt::format("{:.3g} MB", bytes / 1e6);
+    if (bytes >= 1e3) return fmt::format("{:.3g} kB", bytes / 1e3);
+    return fmt::format("{:.0f} B", bytes);
+}
+
+double parse_bytes(const std::string& text) {
+    char* rest = nullptr;
+    const double number = std::strtod(text.c_str(), &rest);
+    const std::string unit = rest;
+    const double factor = unit.empty() || unit == "B"     ? 1
+                          : unit == "k" || unit == "K" || unit == "kB" || unit == "KB" ? 1e3
+                          : unit == "M" || unit == "MB" ? 1e6
+                          : unit == "G" || unit == "GB" ? 1e9
+                          : unit == "T" || unit == "TB" ? 1e12
+                                                        : 0;
+    if (rest == text.c_str() || factor == 0 || !(number > 0))
+        throw UsageError(fmt::format("'{}' is no amount of memory; expected a number with k, M, G or T, as in 8G", text));
+    return number * factor;
+}
+
+std::string to_text(const Plan& plan) {
+    const Graph& graph = *plan.graph;
+    std::string text;
+    for (size_t t = 0; t < plan.tasks.size(); ++t) {
+        const Task& task = plan.tasks[t];
+        text += fmt::format("{:2}  {} {}\n", t + 1, task.segment ? "segment" : "task   ", task.name);
+        for (int n : task.nodes) {
+            const GraphNode& node = graph.nodes[size_t(n)];
+            if (task.segment)
+                text += fmt::format("      {:<8} {} ({})\n",
+                                    n == task.nodes.front() ? "source"
+                                    : plan.instances[size_t(n)]->form() == Form::sink ? "sink" : "stage",
+                                    node.name, node.type->type);
+            else
+                text += fmt::format("      type     {}\n", node.type->type);
+        }
+        if (!task.needs.empty()) {
+            text += "      after    ";
+            for (size_t i = 0; i < task.needs.size(); ++i)
+                text += fmt::format("{}{}", i ? ", " : "", task.needs[i] + 1);
+            text += "\n";
+        }
+        for (const Link& link : task.makes)
+            text += fmt::format("      makes    {}: {}\n", output_name(graph, link),
+                                shape_text(plan.shapes[size_t(link.node)][size_t(link.port)]));
+        if (!task.last_uses.empty()) text += fmt::format("      frees    {}\n", joined(graph, task.last_uses));
+        if (task.scratch_bytes > 0) text += fmt::format("      scratch  {}\n", bytes_text(task.scratch_bytes));
+    }
+    if (plan.tasks.empty()) return "nothing to do: no node of this graph writes anything\n";
+    text += fmt::format("peak: {} of values and scratch, while '{}' runs\n", bytes_text(plan.peak_bytes),
+                        plan.tasks[plan.peak_task].name);
+    return text;
+}
+
+Json to_json(const Plan& plan) {
+    const Graph& graph = *plan.graph;
+    Json out = Json::object();
+    out.set("graph", graph.name);
+    Json& tasks = out.set("tasks", Json::list());
+    for (const Task& task : plan.tasks) {
+        Json one = Json::object();
+        one.set("kind", task.segment ? "segment" : "task");
+        one.set("name", task.name);
+        Json& nodes = one.set("nodes", Json::list());
+        for (int n : task.nodes) {
+            Json node = Json::object();
+            node.set("name", graph.nodes[size_t(n)].name);
+            node.set("type", graph.nodes[size_t(n)].type->type);
+            nodes.items.push_back(std::move(node));
+        }
+        Json& needs = one.set("after", Json::list());
+        for (size_t need : task.needs) needs.items.push_back(Json(std::int64_t(need)));
+        Json& makes = one.set("makes", Json::list());
+        for (const Link& link : task.makes) {
+            const Shape& shape = plan.shapes[size_t(link.node)][size_t(link.port)];
+            Json made = Json::object();
+            made.set("value", output_name(graph, link));
+            made.set("width", shape.width);
+            made.set("height", shape.height);
+            made.set("channels", shape.channels);
+            made.set("records", shape.records);
+            made.set("bytes", shape.bytes);
+            makes.items.push_back(std::move(made));
+        }
+        Json& frees = one.set("frees", Json::list());
+        for (const Link& link : task.last_uses) frees.items.push_back(Json(output_name(graph, link)));
+        one.set("scratch_bytes", task.scratch_bytes);
+        one.set("live_bytes", task.live_bytes);
+        tasks.items.push_back(std::move(one));
+    }
+    out.set("peak_bytes", plan.peak_bytes);
+    return out;
+}
+
+}  // namespace weft

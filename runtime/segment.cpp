@@ -1,0 +1,334 @@
+#include "runtime/segment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+
+namespace weft {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ns_since(Clock::time_point start) {
+    return double(std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count());
+}
+
+// One stage on one worker.
+struct Stage {
+    int node = -1;
+    const NodeInstance* instance = nullptr;
+    Form form = Form::stage;
+    Inputs in;
+    Outputs out;
+    std::shared_ptr<void> scratch;
+    std::vector<std::shared_ptr<void>> owned;        // batches it makes
+    const Batch* follows = nullptr;                  // the batch whose records its outputs are about
+    std::vector<Batch*> same_records;                // outputs with the records of `follows`
+    std::vector<Batch*> selections;
+    std::vector<std::pair<const TypeInfo*, const void*>> counted;
+    std::vector<std::pair<StreamTap*, Slot>> taps;
+    // What it took so far.
+    Items items;
+    double tile_ns = 0, cpu_ns = 0, wall_ns = 0;
+};
+
+struct Worker {
+    std::vector<Stage> stages;
+};
+
+class Segment {
+  public:
+    Segment(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, Monitor& monitor, const RunOptions& options)
+        : plan_(plan), graph_(*plan.graph), task_(task), values_(values), ctx_(ctx), monitor_(monitor), options_(options) {}
+
+    SegmentReport run() {
+        const auto start = Clock::now();
+        const int source = task_.nodes.front();
+        Inputs source_in = values_.inputs_of(source);
+        guarded(source, [&] { extent_ = plan_.instances[size_t(source)]->extent(source_in); });
+        for (const Tap& tap : plan_.taps)
+            if (graph_.nodes[size_t(tap.from.node)].type->outputs[size_t(tap.from.port)].stream && index_of(tap.from.node) >= 0)
+                taps_.push_back(std::make_unique<StreamTap>(tap, std::max(extent_.width, 1)));
+        open_sinks();
+
+        const int side = std::max(options_.tile, 1);
+        const int across = (extent_.width + side - 1) / side, down = (extent_.height + side - 1) / side;
+        const size_t tiles = size_t(std::max(across, 0)) * size_t(std::max(down, 0));
+        std::atomic<size_t> finished = 0;
+        ctx_.progress(0, double(tiles), "tiles");
+        ctx_.parallel(tiles, 1, [&](size_t begin, size_t end) {
+            std::unique_ptr<Worker> worker = take_worker();
+            for (size_t t = begin; t < end; ++t) {
+                const int x = int(t % size_t(across)) * side, y = int(t / size_t(across)) * side;
+                run_tile(*worker, {t, x, y, std::min(x + side, extent_.width), std::min(y + side, extent_.height)});
+                ctx_.progress(double(++finished), double(tiles), "tiles");
+            }
+            give_back(std::move(worker));
+        });
+        close_sinks();
+        for (const auto& tap : taps_) tap->write();
+        SegmentReport report = summary();
+        report.tiles = tiles;
+        report.wall_s = ns_since(start) * 1e-9;
+        return report;
+    }
+
+  private:
+    // Puts the stage's node on what it throws.
+    template <class Work>
+    void guarded(int node, Work&& work) {
+        try {
+            work();
+        } catch (const StageError&) {
+            throw;
+        } catch (const std::bad_alloc&) {
+            throw StageError(node, "ran out of memory");
+        } catch (const std::exception& error) {
+            if (dynamic_cast<const Cancelled*>(&error)) throw;
+            throw StageError(node, error.what());
+        }
+    }
+
+    int index_of(int node) const {
+        const auto found = std::find(task_.nodes.begin(), task_.nodes.end(), node);
+        return found == task_.nodes.end() ? -1 : int(found - task_.nodes.begin());
+    }
+
+    void open_sinks() {
+        results_.resize(task_.nodes.size());
+        for (size_t i = 0; i < task_.nodes.size(); ++i) {
+            const int node = task_.nodes[i];
+            const NodeInstance& instance = *plan_.instances[size_t(node)];
+            if (instance.form() != Form::sink) continue;
+            results_[i] = instance.make_result();
+            Inputs in = values_.inputs_of(node);
+            in.extent_ = extent_;
+            guarded(node, [&] { instance.open(in, extent_, results_[i].get()); });
+        }
+    }
+
+    void close_sinks() {
+        for (size_t i = 0; i < task_.nodes.size(); ++i) {
+            const int node = task_.nodes[i];
+            const NodeInstance& instance = *plan_.instances[size_t(node)];
+            if (instance.form() != Form::sink) continue;
+            Inputs in = values_.inputs_of(node);
+            in.extent_ = extent_;
+            Outputs out = values_.outputs_of(node);
+            guarded(node, [&] { instance.close(in, results_[i].get(), out, ctx_); });
+        }
+    }
+
+    std::unique_ptr<Worker> take_worker() {
+        {
+            const std::lock_guard lock(mutex_);
+            if (!idle_.empty()) {
+                std::unique_ptr<Worker> worker = std::move(idle_.back());
+                idle_.pop_back();
+                return worker;
+            }
+        }
+        return make_worker();
+    }
+    void give_back(std::unique_ptr<Worker> worker) {
+        const std::lock_guard lock(mutex_);
+        idle_.push_back(std::move(worker));
+    }
+
+    std::unique_ptr<Worker> make_worker() {
+        auto worker = std::make_unique<Worker>();
+        worker->stages.resize(task_.nodes.size());
+        for (size_t i = 0; i < task_.nodes.size(); ++i) {
+            const int node = task_.nodes[i];
+            const GraphNode& graph_node = graph_.nodes[size_t(node)];
+            Stage& stage = worker->stages[i];
+            stage.node = node;
+            stage.instance = plan_.instances[size_t(node)].get();
+            stage.form = stage.instance->form();
+            stage.scratch = stage.instance->make_scratch();
+            stage.in = values_.inputs_of(node);
+            stage.in.extent_ = extent_;
+            link_streams(*worker, graph_node, stage);
+            make_outputs(graph_node, stage);
+        }
+        return worker;
+    }
+
+    void link_streams(Worker& worker, const GraphNode& node, Stage& stage) {
+        for (size_t p = 0; p < node.inputs.size(); ++p) {
+            const PortDecl& port = node.type->inputs[p];
+            if (!port.stream) continue;
+            for (const Link& link : node.inputs[p]) {
+                Stage& from = worker.stages[size_t(index_of(link.node))];
+                Slot& slot = stage.in.slots[p];
+                slot.object = from.out.slots[size_t(link.port)].object;
+                slot.more.push_back(slot.object);
+                const bool per_batch = graph_.nodes[size_t(link.node)].type->outputs[size_t(link.port)].per_batch;
+                if (!stage.follows && !port.branch && !per_batch) stage.follows = slot.type->batch(slot.object);
+                if (stage.form == Form::sink) stage.counted.emplace_back(slot.type, slot.object);
+            }
+        }
+    }
+
+    void make_outputs(const GraphNode& node, Stage& stage) {
+        for (size_t p = 0; p < node.type->outputs.size(); ++p) {
+            const PortDecl& port = node.type->outputs[p];
+            const Link link{stage.node, int(p)};
+            Slot slot;
+            slot.port = port.name;
+            slot.type = &values_.type(link);
+            if (port.stream && stream_wanted(link)) {
+                stage.owned.push_back(slot.type->make());
+                slot.object = stage.owned.back().get();
+                Batch* batch = slot.type->batch(slot.object);
+                (port.selects || stage.form == Form::source ? stage.selections : stage.same_records).push_back(batch);
+                stage.counted.emplace_back(slot.type, slot.object);
+                for (const auto& tap : taps_)
+                    if (tap->tap().from.node == link.node && tap->tap().from.port == link.port)
+                        stage.taps.emplace_back(tap.get(), slot);
+            }
+            stage.out.slots.push_back(std::move(slot));
+        }
+    }
+
+    bool stream_wanted(Link link) const {
+        for (int n : task_.nodes)
+            for (const auto& links : graph_.nodes[size_t(n)].inputs)
+                for (const Link& l : links)
+                    if (l.node == link.node && l.port == link.port) return true;
+        return std::any_of(taps_.begin(), taps_.end(), [&](const auto& tap) {
+            return tap->tap().from.node == link.node && tap->tap().from.port == link.port;
+        });
+    }
+
+    void run_tile(Worker& worker, const Tile& tile) {
+        const std::uint64_t begin_us = now_us(), cpu_begin = thread_cpu_ns();
+        const auto start = Clock::now();
+        for (Stage& stage : worker.stages) {
+            stage.in.tile_ = tile;
+            stage.tile_ns = 0;
+            if (stage.form == Form::sink)
+                guarded(stage.node, [&] { stage.instance->begin(stage.in, stage.scratch.get()); });
+        }
+        for (size_t index = 0; run_batch(worker, index); ++index) ctx_.check_cancelled();
+        for (size_t i = 0; i < worker.stages.size(); ++i)
+            if (Stage& stage = worker.stages[i]; stage.form == Form::sink)
+                guarded(stage.node, [&] { stage.instance->end(stage.in, stage.scratch.get(), results_[i].get()); });
+
+        // A stage's clock counts while its thread is held up by others; its tile's CPU time does not.
+        const double wall = std::max(ns_since(start), 1.0), cpu = double(thread_cpu_ns() - cpu_begin);
+        for (Stage& stage : worker.stages) {
+            stage.wall_ns += stage.tile_ns;
+            stage.cpu_ns += stage.tile_ns * std::min(1.0, cpu / wall);
+        }
+        if (monitor_.tracing) trace_tile(worker, tile, begin_us);
+    }
+
+    bool run_batch(Worker& worker, size_t index) {
+        auto before = Clock::now();
+        for (Stage& stage : worker.stages) {
+            if (stage.form == Form::source) {
+                bool more = false;
+                guarded(stage.node, [&] { more = stage.instance->next(stage.in, index, stage.out, stage.scratch.get()); });
+                if (!more) return false;
+                count(stage);
+            } else {
+                run_stage(stage);
+            }
+            for (auto& [tap, slot] : stage.taps) {
+                const Batch& batch = *slot.type->batch(slot.object);
+                if (batch.size() > 0) tap->take(*slot.type, slot.object, batch, index);
+            }
+            const auto after = Clock::now();
+            stage.tile_ns += double((after - before).count());
+            before = after;
+        }
+        return true;
+    }
+
+    void run_stage(Stage& stage) {
+        const bool empty = !stage.follows || stage.follows->size() == 0;
+        for (Batch* batch : stage.same_records) {
+            batch->pixels = empty ? std::span<const std::uint32_t>() : stage.follows->pixels;
+            batch->parents = empty ? std::span<const std::uint32_t>() : stage.follows->parents;
+        }
+        if (empty) {
+            for (Batch* batch : stage.selections) *batch = Batch();
+            return;
+        }
+        guarded(stage.node, [&] {
+            if (stage.form == Form::sink) stage.instance->take(stage.in, stage.scratch.get());
+            else stage.instance->batch(stage.in, stage.out, stage.scratch.get());
+        });
+        count(stage);
+    }
+
+    // A batch held by several ports is counted by its items once: the first that counts a name wins.
+    static void count(Stage& stage) {
+        Items batch;
+        for (const auto& [type, object] : stage.counted) {
+            if (!type->count) continue;
+            Items one;
+            type->count(object, one);
+            for (const Items::Item& item : one.all()) {
+                const auto known = std::find_if(batch.all().begin(), batch.all().end(),
+                                                [&](const Items::Item& b) { return b.name == item.name; });
+                if (known == batch.all().end()) batch.add(item.name, item.count);
+            }
+        }
+        for (const Items::Item& item : batch.all()) stage.items.add(item.name, item.count);
+    }
+
+    void trace_tile(const Worker& worker, const Tile& tile, std::uint64_t begin_us) {
+        monitor_.span({fmt::format("tile {}", tile.index), "tile", begin_us, now_us() - begin_us, thread_number(),
+                       fmt::format("{{\"x\":{},\"y\":{},\"segment\":{}}}", tile.x0, tile.y0, Json(task_.name).dump())});
+        // Inside it, each stage's total over the tile's batches, one after the other.
+        std::uint64_t at = begin_us;
+        for (const Stage& stage : worker.stages) {
+            const std::uint64_t us = std::uint64_t(stage.tile_ns / 1000);
+            monitor_.span({graph_.nodes[size_t(stage.node)].name, "stage, all batches of the tile", at, us, thread_number(), ""});
+            at += us;
+        }
+    }
+
+    SegmentReport summary() {
+        SegmentReport report;
+        report.name = task_.name;
+        for (size_t i = 0; i < task_.nodes.size(); ++i) {
+            const GraphNode& node = graph_.nodes[size_t(task_.nodes[i])];
+            StageReport stage;
+            stage.name = node.name;
+            stage.type = node.type->type;
+            for (const auto& worker : idle_) {
+                stage.cpu_s += worker->stages[i].cpu_ns * 1e-9;
+                stage.wall_s += worker->stages[i].wall_ns * 1e-9;
+                for (const Items::Item& item : worker->stages[i].items.all()) stage.items[std::string(item.name)] += item.count;
+            }
+            report.stages.push_back(std::move(stage));
+        }
+        return report;
+    }
+
+    const Plan& plan_;
+    const Graph& graph_;
+    const Task& task_;
+    Values& values_;
+    NodeContext& ctx_;
+    Monitor& monitor_;
+    const RunOptions& options_;
+    Extent extent_;
+    std::vector<std::shared_ptr<void>> results_;
+    std::vector<std::unique_ptr<StreamTap>> taps_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<Worker>> idle_;
+};
+
+}  // namespace
+
+SegmentReport run_segment(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, Monitor& monitor,
+                          const RunOptions& options) {
+    return Segment(plan, task, values, ctx, monitor, options).run();
+}
+
+}  // namespace weft
