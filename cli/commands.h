@@ -1,0 +1,55 @@
+// The commands of the program. Each takes plain options and gives an exit status:
+// 0 done; 1 a node failed, an input is missing or damaged, or the plan does not fit;
+// 2 the graph document or the command line is wrong; 130 interrupted.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+
+namespace weft::cli {
+
+enum Status { done = 0, failed = 1, misused = 2, interrupted = 130 };
+
+struct GraphOptions {
+    std::string graph;
+    Overrides overrides;
+};
+
+struct RunCommand : GraphOptions {
+    int threads = 0;       // 0: one a core
+    int tile = 32;
+    std::string memory;    // "8G"
+    std::string report, trace;
+    std::vector<std::string> taps;
+    std::string isa;
+    std::string executor = "tbb";
+    bool quiet = false;
+};
+int run(const RunCommand& options);
+
+struct CheckCommand {
+    std::vector<std::string> graphs;
+    Overrides overrides;
+    bool json = false;
+};
+int check(const CheckCommand& options);
+
+struct PlanCommand : GraphOptions {
+    int threads = 0;
+    std::string memory;
+    std::vector<std::string> taps;
+    bool json = false;
+};
+int plan(const PlanCommand& options);
+
+int dot(const GraphOptions& options, bool mermaid);
+
+int nodes(const std::string& family, bool json);
+int node(const std::string& type, bool json);
+int schema();
+
+int compare(const std::string& picture, const std::string& reference, const std::string& error_picture, bool json);
+int show(const std::string& file, bool json);
+
+}  // namespace weft::cli

@@ -1,0 +1,133 @@
+// The program `weft`: its command line.
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+#include "cli/commands.h"
+#include "cli/terminal.h"
+#include "runtime/plan.h"
+#include "runtime/provenance.h"
+#include "runtime/registry.h"
+
+namespace {
+
+using namespace weft;
+
+void add_overrides(CLI::App& command, Overrides& overrides) {
+    command.add_option("--set", overrides.set, "a graph parameter (k=v) or a node's (node.param=v)")->allow_extra_args(false);
+    command.add_option("--swap", overrides.swap, "another type for a node: node=type[,param=value...]")->allow_extra_args(false);
+    command.add_option("--bypass", overrides.bypass, "pass a node's input through")->allow_extra_args(false);
+}
+
+void add_graph_options(CLI::App& command, cli::GraphOptions& options) {
+    command.add_option("graph", options.graph, "graph document (.json), or a picture that Weft wrote")->required();
+    add_overrides(command, options.overrides);
+}
+
+void load_nodes(const std::vector<std::string>& folders) {
+    for (const std::string& folder : folders) load_node_libraries(folder);
+    if (const char* more = std::getenv("WEFT_NODES"); more && *more) {
+        const std::string list = more;
+        for (size_t begin = 0; begin <= list.size();) {
+            const size_t end = std::min(list.find(':', begin), list.size());
+            if (end > begin) load_node_libraries(list.substr(begin, end - begin));
+            begin = end + 1;
+        }
+    }
+    for (const std::string& conflict : Registry::instance().conflicts()) cli::complain("warning: " + conflict);
+}
+
+int dispatch(int argc, char** argv) {
+    CLI::App app{"Weft turns sparse Monte Carlo samples into pictures, by graphs of nodes."};
+    app.set_version_flag("--version", std::string("weft ") + program_version);
+    app.require_subcommand(1);
+    app.fallthrough();
+    std::vector<std::string> node_folders;
+    app.add_option("--nodes", node_folders, "folder of further node libraries; $WEFT_NODES too")->allow_extra_args(false);
+    int status = cli::done;
+    const auto on = [&](CLI::App* command, std::function<int()> work) {
+        command->callback([&, work] {
+            load_nodes(node_folders);
+            status = work();
+        });
+    };
+
+    cli::RunCommand run;
+    CLI::App* run_command = app.add_subcommand("run", "run a graph, or repeat the run that a picture came from");
+    add_graph_options(*run_command, run);
+    run_command->add_option("--threads", run.threads, "threads to use; default: one a core")->check(CLI::Range(1, 4096));
+    run_command->add_option("--tile", run.tile, "tile side in pixels; changes no result")->check(CLI::Range(1, 65536));
+    run_command->add_option("--memory", run.memory, "refuse a plan that needs more, as in 8G");
+    run_command->add_option("--report", run.report, "write seconds and items of every node and stage (JSON)");
+    run_command->add_option("--trace", run.trace, "write a trace for Perfetto or chrome://tracing");
+    run_command->add_option("--tap", run.taps, "write a value (node.port=file) or a stream's records (node.port@x,y=file)")
+        ->allow_extra_args(false);
+    run_command->add_option("--isa", run.isa, "instruction set of the kernels: v2, v3 or v4");
+    run_command->add_option("--executor", run.executor, "tbb, threads or serial")
+        ->check(CLI::IsMember({"tbb", "threads", "serial"}));
+    run_command->add_flag("--quiet", run.quiet, "no progress");
+    on(run_command, [&] { return cli::run(run); });
+
+    cli::CheckCommand check;
+    CLI::App* check_command = app.add_subcommand("check", "all findings about graph documents");
+    check_command->add_option("graphs", check.graphs, "graph documents")->required();
+    add_overrides(*check_command, check.overrides);
+    check_command->add_flag("--json", check.json, "findings as JSON");
+    on(check_command, [&] { return cli::check(check); });
+
+    cli::PlanCommand plan;
+    CLI::App* plan_command = app.add_subcommand("plan", "tasks, stream segments, lifetimes and bytes of a graph");
+    add_graph_options(*plan_command, plan);
+    plan_command->add_option("--threads", plan.threads, "threads to plan for; default: one a core");
+    plan_command->add_option("--memory", plan.memory, "refuse a plan that needs more, as in 8G");
+    plan_command->add_option("--tap", plan.taps, "as for run")->allow_extra_args(false);
+    plan_command->add_flag("--json", plan.json, "the plan as JSON");
+    on(plan_command, [&] { return cli::plan(plan); });
+
+    cli::GraphOptions dot;
+    bool mermaid = false;
+    CLI::App* dot_command = app.add_subcommand("dot", "a drawing of a graph, for Graphviz or Mermaid");
+    add_graph_options(*dot_command, dot);
+    dot_command->add_flag("--mermaid", mermaid, "Mermaid instead of Graphviz");
+    on(dot_command, [&] { return cli::dot(dot, mermaid); });
+
+    bool json = false;
+    std::string family, type;
+    CLI::App* nodes_command = app.add_subcommand("nodes", "the node types, by family");
+    nodes_command->add_option("family", family, "only this family");
+    nodes_command->add_flag("--json", json, "all declarations as JSON");
+    on(nodes_command, [&] { return cli::nodes(family, json); });
+
+    CLI::App* node_command = app.add_subcommand("node", "ports and parameters of a node type");
+    node_command->add_option("type", type, "as in \"type\" of a graph")->required();
+    node_command->add_flag("--json", json, "the declaration as JSON");
+    on(node_command, [&] { return cli::node(type, json); });
+
+    on(app.add_subcommand("schema", "JSON Schema of graph documents"), [] { return cli::schema(); });
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& success) {  // --help, --version
+        return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+        app.exit(error);
+        return cli::misused;
+    }
+    return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return dispatch(argc, argv);
+    } catch (const weft::UsageError& error) {
+        weft::cli::complain(error.what());
+        return weft::cli::misused;
+    } catch (const std::bad_alloc&) {
+        weft::cli::complain("ran out of memory");
+        return weft::cli::failed;
+    } catch (const std::exception& error) {
+        weft::cli::complain(error.what());
+        return weft::cli::failed;
+    }
+}
