@@ -13,14 +13,16 @@ namespace weft {
 class Image {
   public:
     Image() = default;
-    Image(int width, int height, int channels);                         // R G B A, or c0 c1 ...
+    Image(int width, int height, int channels);  // zeros; channels Y, R G B, R G B A, or c0 c1 ...
     Image(int width, int height, std::vector<std::string> channel_names);
+    // Same size, channels and attributes, zeros.
+    static Image like(const Image& other);
 
     int width() const { return width_; }
     int height() const { return height_; }
     int channels() const { return int(names_.size()); }
     const std::vector<std::string>& names() const { return names_; }
-    int find(const std::string& channel) const;                         // index, or -1
+    int find(const std::string& channel) const;  // index, or -1
 
     float* row(int y) { return pixels_.data() + size_t(y) * stride(); }
     const float* row(int y) const { return pixels_.data() + size_t(y) * stride(); }
@@ -30,9 +32,11 @@ class Image {
     std::span<const float> pixels() const { return pixels_; }
     size_t stride() const { return size_t(width_) * names_.size(); }
     size_t bytes() const { return pixels_.size() * sizeof(float); }
+    void count(Items& items) const { items.add("pixels", size_t(width_) * size_t(height_)); }
+    void describe(FieldVisitor& fields) const;  // "pixels", row by row, a component a channel
 
-    std::string color_space;                        // "lin_rec709", "ACEScg"; of a display picture: its display space
-    std::string display, view;                      // set by ocio-display
+    std::string color_space;    // "lin_rec709", "ACEScg"; of a display picture: its display space
+    std::string display, view;  // set by ocio-display
     std::map<std::string, std::string> attributes;  // text to be written with the picture
 
   private:
