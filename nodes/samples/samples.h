@@ -55,6 +55,8 @@ enum class Role { none, position, random, feature, radiance };
 std::string_view name_of(Role role);
 // A standard channel's role: uv, t, light_uv, bounce are random; rgb, direct ... radiance; and so on.
 Role standard_role(std::string_view channel);
+bool is_standard_channel(std::string_view channel);
+int standard_components(std::string_view channel);  // 0: any number, or not a standard name
 
 struct Channel {
     std::string name;    // snake_case
@@ -101,6 +103,7 @@ class Samples {
     bool has_lens() const { return lens && !lens->pinhole() && !uv().empty(); }
     bool has_motion() const { return !t().empty() && !motion().empty(); }
 
+    void add(Channel channel);  // replaces one of the same name
     void add(std::string name, int components, std::vector<float> values);  // with its standard role
     void add_ids(std::string name, std::vector<std::uint32_t> ids);
 
@@ -112,6 +115,8 @@ class Samples {
     void require(std::string_view who, std::initializer_list<std::string_view> channels) const;
 
     size_t bytes() const;
+    void count(Items& items) const;               // for reports
+    void describe(FieldVisitor& visitor) const;   // for --tap
 
   private:
     size_t size_ = 0;

@@ -1,0 +1,37 @@
+// read-samples: a renderer's sample buffer from a file, its values checked.
+#include "runtime/node.h"
+#include "samples/sample_file.h"
+#include "samples/samples.h"
+
+namespace weft {
+namespace {
+
+struct ReadSamples {
+    InputFile file{"analytic:garden"};
+    std::vector<std::string> channels;
+    float tolerate = 0.01f;
+
+    static void declare(Ports<ReadSamples>& node) {
+        node.about("reads a renderer's sample buffer: .npz (native), deep EXR, TLFR 1.3 or ILFR 2.2, "
+                   "told apart by content. Reads the basic channels xy uv t z motion rgb alpha weight "
+                   "z_gradient, and those listed in 'channels': what is not asked for costs nothing")
+            .out<Samples>("samples", "the buffer; unusable samples are dropped with a warning")
+            .param("file", &ReadSamples::file, {.about = "sample file"})
+            .param("channels", &ReadSamples::channels,
+                   {.about = "channels to read beside the basic ones; \"*\" reads all. A standard name "
+                             "(normal, albedo ...) that the file lacks is passed over"})
+            .param("tolerate", &ReadSamples::tolerate,
+                   {.min = 0, .max = 1,
+                    .about = "part of the samples that may have an unusable depth, position, lens "
+                             "position or time before it is an error"});
+    }
+
+    void run(const Inputs&, Outputs& out, Context& ctx) const {
+        out.set("samples", read_sample_file(map_file(file.path), {channels, tolerate}, ctx));
+    }
+};
+
+WEFT_NODE(ReadSamples, "read-samples", 1)
+
+}  // namespace
+}  // namespace weft
