@@ -13,6 +13,8 @@
 #include "graph/error.h"
 #include "image/color_tags.h"
 #include "image/exr_file.h"
+#include "image/other_formats.h"
+#include "image/pfm_file.h"
 #include "image/png_file.h"
 #include "runtime/atomic_file.h"
 
@@ -53,14 +55,31 @@ std::string read_whole_file(const std::string& path) {
     return bytes;
 }
 
-PictureKind picture_kind(std::string_view bytes) {
-    if (bytes.starts_with("\x76\x2f\x31\x01")) return PictureKind::exr;
-    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return PictureKind::png;
-    return PictureKind::other;
+namespace {
+
+enum class Known { exr, png, pfm, other };
+
+Known known_format(std::string_view bytes) {
+    if (bytes.starts_with("\x76\x2f\x31\x01")) return Known::exr;
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return Known::png;
+    if (is_pfm(bytes)) return Known::pfm;
+    return Known::other;
+}
+
+bool module_writes(const std::string& extension) {
+    const auto& names = other_extensions();
+    return std::find(names.begin(), names.end(), extension) != names.end();
+}
+
+}  // namespace
+
+bool is_exr_or_png(std::string_view bytes) {
+    const Known format = known_format(bytes);
+    return format == Known::exr || format == Known::png;
 }
 
 std::string writable_extensions() {
-    return "exr, png";
+    return fmt::format("exr, png, pfm, {}", fmt::join(other_extensions(), ", "));
 }
 
 void write_picture(const std::string& path, const Image& image, const PictureOptions& options,
@@ -68,35 +87,75 @@ void write_picture(const std::string& path, const Image& image, const PictureOpt
     const std::string extension = extension_of(path);
     try {
         if (extension == "exr") return write_file(path, encode_exr(image, options, warnings));
-        if (is_scene_linear(image.color_space))
+        if (extension == "pfm") return write_file(path, encode_pfm(image, warnings));
+        if (extension != "png" && !module_writes(extension))
+            throw Error(
+                fmt::format("no way to write '.{}'; known: {}", extension, writable_extensions()));
+        if (is_scene_linear(image.color_space) && extension != "hdr" &&
+            !extension.starts_with("tif"))
             warnings.push_back(
                 fmt::format("scene-linear values ({}) written as they are to a display format; "
                             "'ocio-display' makes a picture to look at",
                             image.color_space));
         if (extension == "png") return write_file(path, encode_png(image, options, warnings));
-        throw Error(
-            fmt::format("no way to write '.{}'; known: {}", extension, writable_extensions()));
+        AtomicFile file(path);
+        other_formats(path).write(file.temporary(), extension, image, options, warnings);
+        file.commit();
     } catch (const Error& e) {
         if (std::string_view(e.what()).find(path) != std::string_view::npos) throw;
         throw Error(fmt::format("{}: {}", path, e.what()));
     }
 }
 
-Image read_picture(const std::string& path, const ReadPicture& options) {
-    const std::string bytes = read_whole_file(path);
+Image decode_picture(std::string_view bytes, const std::string& file, const ReadPicture& options) {
     Image image;
-    switch (picture_kind(bytes)) {
-        case PictureKind::exr:
-            image = decode_exr(bytes, path, options.part);
+    switch (known_format(bytes)) {
+        case Known::exr:
+            image = decode_exr(bytes, file, options.part);
             break;
-        case PictureKind::png:
-            image = decode_png(bytes, path);
+        case Known::png:
+            image = decode_png(bytes, file);
             break;
-        case PictureKind::other:
-            throw Error(fmt::format("{}: not a picture that is known (EXR, PNG)", path));
+        case Known::pfm:
+            image = decode_pfm(bytes, file);
+            break;
+        case Known::other:
+            if (bytes.empty())
+                throw Error(fmt::format("{}: not a picture: the file is empty", file));
+            image = other_formats(file).decode(bytes, file);
+            break;
     }
     if (!options.color_space.empty()) image.color_space = options.color_space;
     return image;
+}
+
+Image read_picture(const std::string& path, const ReadPicture& options) {
+    return decode_picture(read_whole_file(path), path, options);
+}
+
+PictureInfo picture_info(const std::string& path) {
+    const std::string bytes = read_whole_file(path);
+    switch (known_format(bytes)) {
+        case Known::exr:
+            return exr_info(bytes, path);
+        case Known::png:
+            return png_info(bytes, path);
+        case Known::pfm: {
+            const Image image = decode_pfm(bytes, path);
+            PictureInfo info;
+            info.format = "PFM";
+            info.width = image.width();
+            info.height = image.height();
+            info.channels = image.names();
+            info.depth = "float";
+            info.color_space = image.color_space;
+            return info;
+        }
+        case Known::other:
+            break;
+    }
+    if (bytes.empty()) throw Error(fmt::format("{}: not a picture: the file is empty", path));
+    return other_formats(path).info(bytes, path);
 }
 
 }  // namespace weft

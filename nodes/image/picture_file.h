@@ -1,7 +1,7 @@
 // Pictures on disk: one way in and one way out, whatever the format. EXR and PNG are read and
-// written here (OpenEXR, libpng); every other format by the OpenImageIO module, which is loaded
-// when the first such picture is met. Formats are told apart by content on reading, by extension on
-// writing.
+// written here (OpenEXR, libpng), PFM too; every other format by the OpenImageIO module, which is
+// loaded when the first such picture is met. Formats are told apart by content on reading, by
+// extension on writing.
 //   colour   Image::color_space from the file's own words ("oiio:ColorSpace", chromaticities, PNG's
 //            colour chunks); scene-linear Rec.709 for EXR, sRGB for the rest where it says nothing
 //   alpha    premultiplied in memory, as EXR has it; PNG's is not and is converted
@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "graph/json.h"
 #include "image/image.h"
 #include "runtime/context.h"
 
@@ -38,6 +39,9 @@ struct ReadPicture {
     std::string color_space;  // instead of what the file says
 };
 Image read_picture(const std::string& path, const ReadPicture& options = {});
+// From memory (a texture inside another file); `file` is what messages call it.
+Image decode_picture(std::string_view bytes, const std::string& file,
+                     const ReadPicture& options = {});
 
 // What a file holds, without its pixels where the format allows it (`weft show`).
 struct PictureInfo {
@@ -50,9 +54,13 @@ struct PictureInfo {
     std::map<std::string, std::string> attributes;  // "weft:graph" and the like among them
 };
 
-// Whether a file's first bytes are those of a picture that can be read without the module.
-enum class PictureKind { exr, png, other };
-PictureKind picture_kind(std::string_view bytes);
+PictureInfo picture_info(const std::string& path);
+// As lines of text, the graph of its provenance last; as JSON with every attribute.
+std::string to_text(const PictureInfo& info, const std::string& file);
+Json to_json(const PictureInfo& info, const std::string& file);
+
+// Whether a file's first bytes are those of an EXR or PNG picture (which may carry provenance).
+bool is_exr_or_png(std::string_view bytes);
 
 // Extensions that can be written, for messages: "exr, png, pfm, tif ...".
 std::string writable_extensions();

@@ -1,0 +1,176 @@
+// The module weft_oiio: pictures through OpenImageIO. One thread: the runtime's loops are ours.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "graph/error.h"
+#include "image/color_tags.h"
+#include "image/other_formats.h"
+
+namespace weft {
+namespace {
+
+// What our spaces are called by OpenImageIO 2.4, and the other way round.
+std::string to_oiio(const Image& image) {
+    if (is_scene_linear(image.color_space)) return "Linear";
+    const DisplayTag* tag = display_tag(image.color_space);
+    if (!tag) tag = display_tag(image.display);
+    if (tag && tag->srgb) return "sRGB";
+    if (tag && tag->transfer == 1) return "Rec709";
+    return {};
+}
+
+std::string from_oiio(std::string_view space, bool whole_numbers) {
+    if (space == "sRGB") return "sRGB - Texture";
+    if (space == "Linear" || space == "linear" || space == "scene_linear") return "lin_rec709";
+    if (space == "Rec709") return "Rec.709";
+    if (!space.empty()) return std::string(space);
+    return whole_numbers ? "sRGB - Texture" : "lin_rec709";
+}
+
+struct Opened {
+    std::unique_ptr<OIIO::ImageInput> input;
+    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
+    ~Opened() { input.reset(); }  // before the memory it reads
+};
+
+void open(std::string_view bytes, const std::string& file, Opened& opened) {
+    // From memory where the format can, else from the file itself if that is what we were given.
+    opened.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<char*>(bytes.data()),
+                                                                    bytes.size());
+    opened.input = OIIO::ImageInput::open(file, nullptr, opened.memory.get());
+    if (opened.input) return;
+    std::string reason = OIIO::geterror();
+    opened.memory.reset();
+    opened.input = OIIO::ImageInput::open(file);
+    if (opened.input) return;
+    const std::string second = OIIO::geterror();
+    if (!second.empty()) reason = second;
+    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
+    throw Error(fmt::format("{}: not a picture that can be read: {}", file, reason));
+}
+
+std::vector<std::string> names_of(const OIIO::ImageSpec& spec) {
+    if (spec.nchannels == 1) return {"Y"};
+    if (spec.nchannels == 2 && spec.alpha_channel == 1) return {"Y", "A"};
+    return spec.channelnames;
+}
+
+template <class Picture>
+void read_attributes(const OIIO::ImageSpec& spec, Picture& picture) {
+    picture.color_space = from_oiio(spec.get_string_attribute("oiio:ColorSpace"),
+                                    spec.format.basetype < OIIO::TypeDesc::HALF);
+    for (const OIIO::ParamValue& value : spec.extra_attribs)
+        if (value.type() == OIIO::TypeString && value.name() != "oiio:ColorSpace")
+            picture.attributes[value.name().string()] = value.get_string();
+}
+
+class ThroughOpenImageIO final : public OtherFormats {
+  public:
+    ThroughOpenImageIO() {
+        OIIO::attribute("threads", 1);
+        OIIO::attribute("exr_threads", 1);
+    }
+
+    Image decode(std::string_view bytes, const std::string& file) const override {
+        Opened opened;
+        open(bytes, file, opened);
+        const OIIO::ImageSpec spec = opened.input->spec();
+        const double size = 4.0 * spec.width * double(spec.height) * spec.nchannels;
+        if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
+            size > 1e5 * double(bytes.size()) + 1e6)
+            throw Error(
+                fmt::format("{}: not a whole picture: a header of {} x {} pixels and {} channels",
+                            file, spec.width, spec.height, spec.nchannels));
+        Image image(spec.width, spec.height, names_of(spec));
+        if (!opened.input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT,
+                                      image.pixels().data()))
+            throw Error(fmt::format("{}: not a whole picture: {}", file, opened.input->geterror()));
+        read_attributes(spec, image);
+        return image;
+    }
+
+    PictureInfo info(std::string_view bytes, const std::string& file) const override {
+        Opened opened;
+        open(bytes, file, opened);
+        const OIIO::ImageSpec& spec = opened.input->spec();
+        PictureInfo info;
+        info.format = opened.input->format_name();
+        info.width = spec.width;
+        info.height = spec.height;
+        info.channels = names_of(spec);
+        info.depth = spec.format == OIIO::TypeDesc::HALF ? "half"
+                     : spec.format == OIIO::TypeDesc::FLOAT
+                         ? "float"
+                         : fmt::format("{} bit", spec.format.size() * 8);
+        info.compression = spec.get_string_attribute("compression");
+        read_attributes(spec, info);
+        return info;
+    }
+
+    void write(const std::string& place, const std::string& extension, const Image& image,
+               const PictureOptions& options, std::vector<std::string>& warnings) const override {
+        auto output = OIIO::ImageOutput::create(extension);
+        if (!output) throw Error(fmt::format("this OpenImageIO does not write '.{}'", extension));
+        const bool linear = is_scene_linear(image.color_space);
+        OIIO::TypeDesc type = OIIO::TypeDesc::UINT8;
+        switch (options.depth) {
+            case Depth::automatic:
+                if (extension == "hdr" || (linear && extension.starts_with("tif")))
+                    type = OIIO::TypeDesc::FLOAT;
+                break;
+            case Depth::half:
+                type = OIIO::TypeDesc::HALF;
+                break;
+            case Depth::single:
+                type = OIIO::TypeDesc::FLOAT;
+                break;
+            case Depth::u8:
+                break;
+            case Depth::u16:
+                type = OIIO::TypeDesc::UINT16;
+                break;
+        }
+        OIIO::ImageSpec spec(image.width(), image.height(), image.channels(), type);
+        spec.channelnames = image.names();
+        const int alpha = image.find("A");
+        spec.alpha_channel = alpha;
+        const std::string space = to_oiio(image);
+        if (!space.empty()) spec.attribute("oiio:ColorSpace", space);
+        spec.attribute("CompressionQuality", options.quality);
+        // TIFF would put in the time of writing; a fixed one keeps the bytes the same.
+        spec.attribute("DateTime", "1980:01:01 00:00:00");
+        if (extension.starts_with("tif"))
+            for (const auto& [name, value] : text_to_write(image, {}))
+                if (name.find(':') == std::string::npos) spec.attribute(name, value);
+        if (options.depth != Depth::automatic && extension == "hdr")
+            warnings.push_back("HDR has one depth of its own (rgbe)");
+
+        std::vector<float> pixels;
+        const float* data = image.pixels().data();
+        if (type.is_floating_point() == false) {
+            // Clamped here: formats differ in what they make of values that they cannot hold.
+            pixels.assign(image.pixels().begin(), image.pixels().end());
+            for (float& value : pixels) value = value > 0 ? std::min(value, 1.0f) : 0.0f;
+            data = pixels.data();
+        }
+        const auto fail = [&] {
+            throw Error(fmt::format("cannot be written: {}", output->geterror()));
+        };
+        if (!output->open(place, spec)) fail();
+        if (!output->write_image(OIIO::TypeDesc::FLOAT, data)) fail();
+        if (!output->close()) fail();
+    }
+};
+
+}  // namespace
+}  // namespace weft
+
+const weft::OtherFormats* weft_other_formats() {
+    static const weft::ThroughOpenImageIO formats;
+    return &formats;
+}

@@ -1,0 +1,73 @@
+#include "image/other_formats.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+
+#include "graph/error.h"
+
+namespace weft {
+namespace {
+
+constexpr const char* module_name = "weft_oiio.so";
+
+std::vector<std::string> places() {
+    std::vector<std::string> folders;
+    if (const char* set = std::getenv("WEFT_MODULES")) folders.emplace_back(set);
+    const auto add = [&](const std::filesystem::path& folder) {
+        folders.push_back(folder.string());
+        folders.push_back((folder / "weft").string());
+    };
+    // A function of the shared library weft_types: modules are put beside it.
+    Dl_info here = {};
+    const auto library =
+        reinterpret_cast<const void*>(static_cast<Image (*)(const Image&)>(&Image::like));
+    if (dladdr(library, &here) && here.dli_fname)
+        add(std::filesystem::path(here.dli_fname).parent_path());
+    std::error_code none;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", none);
+    if (!none) {
+        add(program.parent_path());
+        add(program.parent_path() / "lib");
+        add(program.parent_path().parent_path() / "lib");
+    }
+    return folders;
+}
+
+}  // namespace
+
+const std::vector<std::string>& other_extensions() {
+    static const std::vector<std::string> names = {"bmp", "dpx", "hdr", "jp2",  "jpeg", "jpg",
+                                                   "ppm", "tga", "tif", "tiff", "webp"};
+    return names;
+}
+
+const OtherFormats& other_formats(const std::string& what) {
+    static std::mutex lock;
+    static const OtherFormats* loaded = nullptr;
+    const std::lock_guard guard(lock);
+    if (loaded) return *loaded;
+    const std::vector<std::string> folders = places();
+    for (const std::string& folder : folders) {
+        const std::string path = (std::filesystem::path(folder) / module_name).string();
+        if (!std::filesystem::exists(path)) continue;
+        void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!library)
+            throw Error(
+                fmt::format("{}: the module {} cannot be loaded: {}", what, path, dlerror()));
+        const auto entry =
+            reinterpret_cast<const OtherFormats* (*)()>(dlsym(library, "weft_other_formats"));
+        if (!entry) throw Error(fmt::format("{}: {} is not a module of this program", what, path));
+        loaded = entry();
+        return *loaded;
+    }
+    throw Error(fmt::format(
+        "{}: formats other than EXR, PNG and PFM need the module {}, which is not in {}; "
+        "set WEFT_MODULES to its folder",
+        what, module_name, fmt::join(folders, ", ")));
+}
+
+}  // namespace weft
