@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "graph/error.h"
@@ -32,6 +33,14 @@ std::string from_oiio(std::string_view space, bool whole_numbers) {
     return whole_numbers ? "sRGB - Texture" : "lin_rec709";
 }
 
+// OpenImageIO's own words on one line; it sometimes has none.
+std::string told(std::string text) {
+    while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
+    for (char& letter : text)
+        if (letter == '\n') letter = ' ';
+    return text.empty() ? "the file is damaged or ends too early" : text;
+}
+
 struct Opened {
     std::unique_ptr<OIIO::ImageInput> input;
     std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
@@ -44,14 +53,13 @@ void open(std::string_view bytes, const std::string& file, Opened& opened) {
                                                                     bytes.size());
     opened.input = OIIO::ImageInput::open(file, nullptr, opened.memory.get());
     if (opened.input) return;
-    std::string reason = OIIO::geterror();
+    const std::string reason = OIIO::geterror();
     opened.memory.reset();
-    opened.input = OIIO::ImageInput::open(file);
+    if (std::filesystem::exists(file)) opened.input = OIIO::ImageInput::open(file);
     if (opened.input) return;
     const std::string second = OIIO::geterror();
-    if (!second.empty()) reason = second;
-    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
-    throw Error(fmt::format("{}: not a picture that can be read: {}", file, reason));
+    throw Error(fmt::format("{}: not a picture that can be read: {}", file,
+                            told(second.empty() ? reason : second)));
 }
 
 std::vector<std::string> names_of(const OIIO::ImageSpec& spec) {
@@ -60,12 +68,19 @@ std::vector<std::string> names_of(const OIIO::ImageSpec& spec) {
     return spec.channelnames;
 }
 
+// Attributes that say how a file was stored, not what the picture is.
+bool about_the_file(OIIO::ustring name) {
+    for (const char* known : {"oiio:ColorSpace", "compression", "planarconfig", "DateTime"})
+        if (name == known) return true;
+    return false;
+}
+
 template <class Picture>
 void read_attributes(const OIIO::ImageSpec& spec, Picture& picture) {
     picture.color_space = from_oiio(spec.get_string_attribute("oiio:ColorSpace"),
                                     spec.format.basetype < OIIO::TypeDesc::HALF);
     for (const OIIO::ParamValue& value : spec.extra_attribs)
-        if (value.type() == OIIO::TypeString && value.name() != "oiio:ColorSpace")
+        if (value.type() == OIIO::TypeString && !about_the_file(value.name()))
             picture.attributes[value.name().string()] = value.get_string();
 }
 
@@ -89,7 +104,8 @@ class ThroughOpenImageIO final : public OtherFormats {
         Image image(spec.width, spec.height, names_of(spec));
         if (!opened.input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT,
                                       image.pixels().data()))
-            throw Error(fmt::format("{}: not a whole picture: {}", file, opened.input->geterror()));
+            throw Error(
+                fmt::format("{}: not a whole picture: {}", file, told(opened.input->geterror())));
         read_attributes(spec, image);
         return image;
     }
@@ -159,7 +175,7 @@ class ThroughOpenImageIO final : public OtherFormats {
             data = pixels.data();
         }
         const auto fail = [&] {
-            throw Error(fmt::format("cannot be written: {}", output->geterror()));
+            throw Error(fmt::format("cannot be written: {}", told(output->geterror())));
         };
         if (!output->open(place, spec)) fail();
         if (!output->write_image(OIIO::TypeDesc::FLOAT, data)) fail();

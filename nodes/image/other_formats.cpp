@@ -40,8 +40,8 @@ std::vector<std::string> places() {
 }  // namespace
 
 const std::vector<std::string>& other_extensions() {
-    static const std::vector<std::string> names = {"bmp", "dpx", "hdr", "jp2",  "jpeg", "jpg",
-                                                   "ppm", "tga", "tif", "tiff", "webp"};
+    static const std::vector<std::string> names = {"bmp", "hdr", "jpeg", "jpg", "ppm",
+                                                   "tga", "tif", "tiff", "webp"};
     return names;
 }
 
