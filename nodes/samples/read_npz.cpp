@@ -7,6 +7,7 @@
 #include "graph/diagnostic.h"
 #include "graph/error.h"
 #include "runtime/context.h"
+#include "samples/channel_choice.h"
 #include "samples/check_samples.h"
 #include "samples/npy.h"
 #include "samples/sample_meta.h"

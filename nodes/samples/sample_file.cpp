@@ -2,39 +2,34 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "graph/diagnostic.h"
 #include "graph/error.h"
+#include "samples/exr_header.h"
+#include "samples/read_deep_exr.h"
 #include "samples/read_npz.h"
 
 namespace weft {
 
-bool is_basic_channel(std::string_view channel) {
-    for (std::string_view basic :
-         {"xy", "uv", "t", "z", "motion", "rgb", "alpha", "weight", "z_gradient"})
-        if (channel == basic) return true;
-    return false;
-}
-
-bool is_wanted(const ReadOptions& options, std::string_view channel) {
-    if (is_basic_channel(channel)) return true;
-    return std::any_of(options.channels.begin(), options.channels.end(),
-                       [&](const std::string& name) { return name == "*" || name == channel; });
-}
-
-void refuse_unknown_channels(const ReadOptions& options, const std::string& file,
-                             const std::vector<std::string>& known) {
-    for (const std::string& name : options.channels) {
-        if (name == "*" || is_standard_channel(name)) continue;
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw Error(fmt::format("{}: no channel '{}'{}", file, name, suggestion(name, known)));
+std::string_view name_of(SampleFormat format) {
+    switch (format) {
+        case SampleFormat::npz: return "npz";
+        case SampleFormat::deep_exr: return "deep EXR";
+        case SampleFormat::tlfr: return "TLFR 1.3";
+        case SampleFormat::ilfr: break;
     }
+    return "ILFR 2.2";
+}
+
+std::optional<SampleFormat> format_of(const FileBytes& file) {
+    if (is_npz(file)) return SampleFormat::npz;
+    if (is_deep_exr(file)) return SampleFormat::deep_exr;
+    return std::nullopt;
 }
 
 Samples read_sample_file(const FileBytes& file, const ReadOptions& options, Context& ctx) {
     if (is_npz(file)) return read_npz(file, options, ctx);
-    throw Error(fmt::format("{}: no sample file that this program knows; expected .npz", file.name));
+    if (is_deep_exr(file)) return read_deep_exr(file, options, ctx);
+    throw Error(fmt::format("{}: no sample file that this program knows; expected .npz or deep EXR",
+                            file.name));
 }
 
 }  // namespace weft

@@ -1,5 +1,6 @@
-// Sample files, of any format: what a caller asks for, and reading and writing by content and name.
+// Sample files of any format: what a caller asks for, reading by content, writing by name.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace weft {
 
 class Context;
 
+enum class SampleFormat { npz, deep_exr, tlfr, ilfr };
+std::string_view name_of(SampleFormat format);  // "npz", "deep EXR", "TLFR 1.3", "ILFR 2.2"
+
 struct ReadOptions {
     // Channels to read beside the basic ones (below); "*": all that the file holds. A standard name
     // that the file lacks is passed over; another is an error.
@@ -17,18 +21,23 @@ struct ReadOptions {
     double tolerate = 0.01;  // part of the samples that may be unusable
 };
 
-// xy uv t z motion rgb alpha weight z_gradient
-bool is_basic_channel(std::string_view channel);
+struct WriteOptions {
+    std::optional<SampleFormat> format;  // none: by the file's extension
+    bool deflate = false;                // npz and deep EXR: pack without loss
+    bool text = false;                   // TLFR and ILFR: text instead of binary
+};
 
-// Whether `options` ask for this channel of a file.
-bool is_wanted(const ReadOptions& options, std::string_view channel);
+// The format of a file, told by its first bytes (TLFR and ILFR data: by their .header); none if
+// Weft does not know it.
+std::optional<SampleFormat> format_of(const FileBytes& file);
 
-// Throws Error where `options` name a channel that is neither standard nor among `known`.
-void refuse_unknown_channels(const ReadOptions& options, const std::string& file,
-                             const std::vector<std::string>& known);
-
-// Reads a sample file of any format that Weft knows, told by its content. Throws Error where it
-// cannot be used; warns through `ctx` of values that were dropped or are suspicious.
+// Throws Error where the file cannot be used; warns through `ctx` of values that were dropped or
+// are suspicious.
 Samples read_sample_file(const FileBytes& file, const ReadOptions& options, Context& ctx);
+
+// Written whole or not at all. Warns of what the format cannot hold; throws Error where that is
+// something that cannot be left out.
+void write_sample_file(const Samples& samples, const std::string& path, const WriteOptions& options,
+                       Context& ctx);
 
 }  // namespace weft
