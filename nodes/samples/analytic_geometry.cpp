@@ -9,8 +9,8 @@ namespace {
 constexpr float near_depth = 0.05f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Pixels that a primitive can be seen in from anywhere on the lens at any time of the shutter, and the
-// smallest depth it takes.
+// Pixels that a primitive can be seen in from anywhere on the lens at any time of the shutter, and
+// the smallest depth it takes.
 struct Bounds {
     float x0 = infinity, y0 = infinity, x1 = -infinity, y1 = -infinity, nearest = infinity;
 
@@ -35,13 +35,15 @@ struct Bounds {
 Bounds bounds_of(const Primitive& p, const Camera& camera) {
     Bounds bounds;
     constexpr float k = 0.41421357f;  // an octagon about the unit disk
-    constexpr float octagon[8][2] = {{1, k}, {k, 1}, {-k, 1}, {-1, k}, {-1, -k}, {-k, -1}, {k, -1}, {1, -k}};
+    constexpr float octagon[8][2] = {{1, k},   {k, 1},   {-k, 1}, {-1, k},
+                                     {-1, -k}, {-k, -1}, {k, -1}, {1, -k}};
     constexpr float corners[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
     for (float t : {0.0f, 1.0f}) {
         if (p.sphere()) {
             const Vec3 c = p.origin + (t - 0.5f) * p.origin_motion;
             for (int i = 0; i < 8; ++i)
-                bounds.add(camera, c + p.radius * Vec3{i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
+                bounds.add(camera, c + p.radius * Vec3{i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f,
+                                                       i & 4 ? 1.f : -1.f});
         } else if (p.square) {
             for (const auto& c : corners) bounds.add(camera, p.point(c[0], c[1], t));
         } else {
@@ -61,20 +63,23 @@ struct Frame {
     }
 };
 
-// Where the rays meet a patch's plane: depth, or +inf where that is not nearer than what they hit so
-// far or lies outside the patch's disk or square.
+// Where the rays meet a patch's plane: depth, or +inf where that is not nearer than what they hit
+// so far or lies outside the patch's disk or square.
 struct Meeting {
     alignas(64) float depth[Rays::capacity], a[Rays::capacity], b[Rays::capacity];
 };
 
 void meet_steady(const Primitive& p, const Rays& rays, Meeting& out) {
     const Frame frame(p.side_a, p.side_b);
-    const Vec3 n = frame.normal, da = frame.dual_a, db = frame.dual_b, o = p.origin, m = p.origin_motion;
+    const Vec3 n = frame.normal, da = frame.dual_a, db = frame.dual_b, o = p.origin,
+               m = p.origin_motion;
     const float limit = p.square ? 2.0f : 1.0f;
     for (int i = 0; i < rays.count; ++i) {
         const float s = rays.time[i];
-        const float ox = o.x + s * m.x - rays.lens_x[i], oy = o.y + s * m.y - rays.lens_y[i], oz = o.z + s * m.z;
-        const float depth = (n.x * ox + n.y * oy + n.z * oz) / (n.x * rays.x[i] + n.y * rays.y[i] + n.z);
+        const float ox = o.x + s * m.x - rays.lens_x[i], oy = o.y + s * m.y - rays.lens_y[i],
+                    oz = o.z + s * m.z;
+        const float depth =
+            (n.x * ox + n.y * oy + n.z * oz) / (n.x * rays.x[i] + n.y * rays.y[i] + n.z);
         const float x = depth * rays.x[i] - ox, y = depth * rays.y[i] - oy, z = depth - oz;
         const float a = x * da.x + y * da.y + z * da.z, b = x * db.x + y * db.y + z * db.z;
         const bool met = (a * a + b * b <= limit) & (depth > near_depth) & (depth < rays.depth[i]);
@@ -104,7 +109,8 @@ void meet_sphere(const Primitive& p, const Rays& rays, Meeting& out) {
     const float r2 = p.radius * p.radius, inverse = 1 / p.radius;
     for (int i = 0; i < rays.count; ++i) {
         const float s = rays.time[i], dx = rays.x[i], dy = rays.y[i];
-        const float ox = o.x + s * m.x - rays.lens_x[i], oy = o.y + s * m.y - rays.lens_y[i], oz = o.z + s * m.z;
+        const float ox = o.x + s * m.x - rays.lens_x[i], oy = o.y + s * m.y - rays.lens_y[i],
+                    oz = o.z + s * m.z;
         const float dd = dx * dx + dy * dy + 1, od = ox * dx + oy * dy + oz;
         // The point of the ray nearest to the centre, and from there half a chord back: no
         // difference of large squares.
@@ -130,15 +136,21 @@ Tracer::Tracer(const Scene& scene, int width, int height)
     }
     std::vector<std::uint32_t> order(count);
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return nearest_[a] < nearest_[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](auto a, auto b) { return nearest_[a] < nearest_[b]; });
 
-    const auto tile_of = [](float pixel, int tiles) { return int(std::floor(std::clamp(pixel / tile, -1.0f, float(tiles)))); };
+    const auto tile_of = [](float pixel, int tiles) {
+        return int(std::floor(std::clamp(pixel / tile, -1.0f, float(tiles))));
+    };
     std::vector<std::vector<std::uint32_t>> lists(size_t(tiles_x_) * size_t(tiles_y_));
     for (std::uint32_t i : order) {
-        const int x0 = std::max(tile_of(bounds[i].x0, tiles_x_), 0), x1 = std::min(tile_of(bounds[i].x1, tiles_x_), tiles_x_ - 1);
-        const int y0 = std::max(tile_of(bounds[i].y0, tiles_y_), 0), y1 = std::min(tile_of(bounds[i].y1, tiles_y_), tiles_y_ - 1);
+        const int x0 = std::max(tile_of(bounds[i].x0, tiles_x_), 0),
+                  x1 = std::min(tile_of(bounds[i].x1, tiles_x_), tiles_x_ - 1);
+        const int y0 = std::max(tile_of(bounds[i].y0, tiles_y_), 0),
+                  y1 = std::min(tile_of(bounds[i].y1, tiles_y_), tiles_y_ - 1);
         for (int y = y0; y <= y1; ++y)
-            for (int x = x0; x <= x1; ++x) lists[size_t(y) * size_t(tiles_x_) + size_t(x)].push_back(i);
+            for (int x = x0; x <= x1; ++x)
+                lists[size_t(y) * size_t(tiles_x_) + size_t(x)].push_back(i);
     }
     first_.push_back(0);
     for (const auto& list : lists) {
@@ -157,9 +169,12 @@ void Tracer::trace(int tile_x, int tile_y, Rays& rays) const {
         const std::uint32_t index = list_[k];
         if (nearest_[index] > farthest) break;
         const Primitive& p = scene_.primitives[index];
-        if (p.sphere()) meet_sphere(p, rays, meeting);
-        else if (p.turns()) meet_turning(p, rays, meeting);
-        else meet_steady(p, rays, meeting);
+        if (p.sphere())
+            meet_sphere(p, rays, meeting);
+        else if (p.turns())
+            meet_turning(p, rays, meeting);
+        else
+            meet_steady(p, rays, meeting);
         bool any = false;
         for (int i = 0; i < rays.count; ++i) {
             if (meeting.depth[i] == infinity) continue;

@@ -20,12 +20,18 @@ struct Vec3 {
     friend Vec3 operator*(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
     bool operator==(const Vec3&) const = default;
 };
-inline float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Vec3 cross(Vec3 a, Vec3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline Vec3 unit(Vec3 a) { return a * (1 / std::sqrt(dot(a, a))); }
-inline Vec3 lerp(Vec3 a, Vec3 b, float s) { return a + (b - a) * s; }
+inline Vec3 unit(Vec3 a) {
+    return a * (1 / std::sqrt(dot(a, a)));
+}
+inline Vec3 lerp(Vec3 a, Vec3 b, float s) {
+    return a + (b - a) * s;
+}
 
 // Colours and numbers that a texture goes by.
 struct Paint {
@@ -37,12 +43,13 @@ struct Paint {
 struct Surface {
     Vec3 albedo, radiance;
 };
-// A patch's point is (a, b), each in [-1, 1]; of a sphere (a, b) are x and y of the normal and `n` is all of it.
+// A patch's point is (a, b), each in [-1, 1]; of a sphere (a, b) are x and y of the normal and `n`
+// is all of it.
 using Outline = bool (*)(const Paint& paint, float a, float b);  // null: all of the disk or square
 using Texture = Surface (*)(const Paint& paint, float a, float b, Vec3 n);
 
-// A patch's point at time t is origin + a side_a + b side_b + (t - 1/2) (the same of the `_motion`s).
-// A sphere is one with a radius; its sides are not looked at.
+// A patch's point at time t is origin + a side_a + b side_b + (t - 1/2) (the same of the
+// `_motion`s). A sphere is one with a radius; its sides are not looked at.
 struct Primitive {
     Vec3 origin, side_a, side_b;
     Vec3 origin_motion, side_a_motion, side_b_motion;
@@ -56,7 +63,8 @@ struct Primitive {
     bool turns() const { return !(side_a_motion == Vec3{} && side_b_motion == Vec3{}); }
     Vec3 point(float a, float b, float t) const {
         const float s = t - 0.5f;
-        return origin + s * origin_motion + a * (side_a + s * side_a_motion) + b * (side_b + s * side_b_motion);
+        return origin + s * origin_motion + a * (side_a + s * side_a_motion) +
+               b * (side_b + s * side_b_motion);
     }
     // Of the point (a, b) of a patch, of any point of a sphere: displacement over the shutter.
     Vec3 displacement(float a, float b) const {
@@ -64,9 +72,10 @@ struct Primitive {
     }
 };
 
-// A camera at the origin that looks along z. Pixels are square; the principal point may lie off the middle.
+// A camera at the origin that looks along z. Pixels are square; the principal point may lie off the
+// middle.
 struct Camera {
-    float scale = 0;               // pixels a unit of x / z
+    float scale = 0;                   // pixels a unit of x / z
     float center_x = 0, center_y = 0;  // principal point, pixels
     float lens_radius = 0, focus = 1;
 
@@ -111,8 +120,9 @@ class Tracer {
   private:
     const Scene& scene_;
     int tiles_x_, tiles_y_;
-    std::vector<float> nearest_;             // smallest depth of each primitive over the shutter
-    std::vector<std::uint32_t> first_, list_;  // primitives of tile i: list_[first_[i] .. first_[i + 1])
+    std::vector<float> nearest_;  // smallest depth of each primitive over the shutter
+    std::vector<std::uint32_t> first_,
+        list_;  // primitives of tile i: list_[first_[i] .. first_[i + 1])
 };
 
 }  // namespace weft::analytic

@@ -11,13 +11,20 @@ constexpr float focus = 4;
 
 // One unit at depth 1 is as wide as the picture is high.
 Camera camera_of(const AnalyticOptions& o, float lens_radius) {
-    return {.scale = float(o.height), .center_x = 0.5f * float(o.width), .center_y = 0.5f * float(o.height),
-            .lens_radius = lens_radius * o.aperture, .focus = focus};
+    return {.scale = float(o.height),
+            .center_x = 0.5f * float(o.width),
+            .center_y = 0.5f * float(o.height),
+            .lens_radius = lens_radius * o.aperture,
+            .focus = focus};
 }
 
-Vec3 black(float, float) { return {}; }
+Vec3 black(float, float) {
+    return {};
+}
 
-Surface flat(const Paint& paint, float, float, Vec3) { return {paint.color[0], paint.color[0]}; }
+Surface flat(const Paint& paint, float, float, Vec3) {
+    return {paint.color[0], paint.color[0]};
+}
 
 // A square wall at depth z, `extent` units to every side of (x, y).
 Primitive wall(float x, float y, float z, float extent, Texture texture, Vec3 color = {}) {
@@ -34,7 +41,8 @@ Primitive wall(float x, float y, float z, float extent, Texture texture, Vec3 co
 // ---- step -------------------------------------------------------------------------------------
 
 constexpr Vec3 bright{0.9f, 0.6f, 0.3f}, dark{0.05f, 0.1f, 0.2f};
-constexpr float step_edge = 0.03f, step_speed = 0.5f;  // units at the depth in focus, units a shutter
+constexpr float step_edge = 0.03f,
+                step_speed = 0.5f;  // units at the depth in focus, units a shutter
 
 double step_blend(double covered, float front, float back) {
     return covered * double(front) + (1 - covered) * double(back);
@@ -79,9 +87,11 @@ double disk_below(double h) {
 double common_area(double a, double b, double d) {
     if (d >= a + b) return 0;
     if (d <= std::fabs(a - b)) return pi * std::min(a, b) * std::min(a, b);
-    const double x = (d * d + a * a - b * b) / (2 * d), y = d - x;  // of the chord, from each centre
+    const double x = (d * d + a * a - b * b) / (2 * d),
+                 y = d - x;  // of the chord, from each centre
     const auto segment = [](double r, double s) {
-        return r * r * std::acos(std::clamp(s / r, -1.0, 1.0)) - s * std::sqrt(std::max(r * r - s * s, 0.0));
+        return r * r * std::acos(std::clamp(s / r, -1.0, 1.0)) -
+               s * std::sqrt(std::max(r * r - s * s, 0.0));
     };
     return segment(a, x) + segment(b, y);
 }
@@ -95,12 +105,14 @@ Scene step_scene(const AnalyticOptions& o) {
 }
 
 Color step_exact(const AnalyticOptions& o, int x, int) {
-    const double per_unit = o.height / double(focus), middle = 0.5 * o.width + per_unit * double(step_edge);
+    const double per_unit = o.height / double(focus),
+                 middle = 0.5 * o.width + per_unit * double(step_edge);
     const double travel = per_unit * double(step_speed) * double(o.shutter);
     const double e0 = middle - travel / 2 - x, e1 = middle + travel / 2 - x;
     // The integral of clamp(s, 0, 1).
     const auto swept = [](double s) { return s <= 0 ? 0.0 : s >= 1 ? s - 0.5 : s * s / 2; };
-    const double covered = travel == 0 ? std::clamp(e0, 0.0, 1.0) : (swept(e1) - swept(e0)) / travel;
+    const double covered =
+        travel == 0 ? std::clamp(e0, 0.0, 1.0) : (swept(e1) - swept(e0)) / travel;
     return {step_blend(covered, bright.x, dark.x), step_blend(covered, bright.y, dark.y),
             step_blend(covered, bright.z, dark.z)};
 }
@@ -129,8 +141,8 @@ Scene disc_scene(const AnalyticOptions& o) {
     return {camera_of(o, 0.4f), black, {light}};
 }
 
-// At a point the light fills that share of the lens that its picture, `light` pixels wide, fills of the
-// blur about the point.
+// At a point the light fills that share of the lens that its picture, `light` pixels wide, fills of
+// the blur about the point.
 Color disc_exact(const AnalyticOptions& o, int x, int y) {
     const Lens lens = camera_of(o, 0.4f).lens();
     const double light = o.height * double(disc_radius) / double(disc_depth);
@@ -139,8 +151,10 @@ Color disc_exact(const AnalyticOptions& o, int x, int y) {
     double share = 0;
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
-            const double d = std::hypot(x + (i + 0.5) / n - 0.5 * o.width, y + (j + 0.5) / n - 0.5 * o.height);
-            share += blur > 0 ? common_area(light, blur, d) / (pi * blur * blur) : double(d < light);
+            const double d =
+                std::hypot(x + (i + 0.5) / n - 0.5 * o.width, y + (j + 0.5) / n - 0.5 * o.height);
+            share +=
+                blur > 0 ? common_area(light, blur, d) / (pi * blur * blur) : double(d < light);
         }
     share /= n * n;
     return {share * double(glow.x), share * double(glow.y), share * double(glow.z)};
@@ -149,8 +163,8 @@ Color disc_exact(const AnalyticOptions& o, int x, int y) {
 Scene layers_scene(const AnalyticOptions& o) {
     Scene scene = plane_scene(o);
     scene.camera = camera_of(o, 0.2f);
-    scene.primitives.insert(scene.primitives.begin(),
-                            wall(front_edge - wall_extent, 0, front_depth, wall_extent, flat, bright));
+    scene.primitives.insert(scene.primitives.begin(), wall(front_edge - wall_extent, 0, front_depth,
+                                                           wall_extent, flat, bright));
     return scene;
 }
 

@@ -26,11 +26,17 @@ float cos_of_multiple(float a, float b, int n) {
     return re;
 }
 
-float fraction(float x) { return x - std::floor(x); }
+float fraction(float x) {
+    return x - std::floor(x);
+}
 // Distance to the nearest whole number.
-float to_line(float x) { return std::fabs(x - std::round(x)); }
+float to_line(float x) {
+    return std::fabs(x - std::round(x));
+}
 
-Surface lit(const Paint& paint, Vec3 albedo) { return {albedo, albedo * paint.light}; }
+Surface lit(const Paint& paint, Vec3 albedo) {
+    return {albedo, albedo * paint.light};
+}
 
 // Light of a clear dusk on something round: a warm low sun behind on the left, cool sky above, the
 // ground's green from below.
@@ -51,12 +57,14 @@ float forewing_depth(float x, float y) {
     return std::min(std::min(ahead, behind), out);
 }
 float hindwing_depth(float x, float y) {
-    const float dx = (x - 0.40f) / 0.56f, dy = (y - 0.50f) / 0.50f, wave = 0.035f * std::cos(14 * y + 3 * x);
+    const float dx = (x - 0.40f) / 0.56f, dy = (y - 0.50f) / 0.50f,
+                wave = 0.035f * std::cos(14 * y + 3 * x);
     const float round = 1 + wave - std::sqrt(dx * dx + dy * dy);
     return std::min(round * 0.5f, x + 0.05f);
 }
 
-// Scales of a butterfly: warm field, dark veins from the root, a dark margin with two rows of spots.
+// Scales of a butterfly: warm field, dark veins from the root, a dark margin with two rows of
+// spots.
 Surface wing(const Paint& paint, float x, float y, float depth, float root_y, float veins) {
     const float distance = std::sqrt(x * x + (y - root_y) * (y - root_y));
     const float angle = (y - root_y) / (x + 0.18f) * veins + 0.35f * x;
@@ -104,7 +112,8 @@ bool blossom_outline(const Paint& paint, float a, float b) {
     const float c = cos_of_multiple(a, b, int(paint.number[0]));
     float notch = 0.5f - 0.5f * c;
     notch *= notch;
-    const float edge = 1 - paint.number[1] * notch * notch - 0.05f * (c > 0.9f ? (c - 0.9f) * 10 : 0);
+    const float edge =
+        1 - paint.number[1] * notch * notch - 0.05f * (c > 0.9f ? (c - 0.9f) * 10 : 0);
     return a * a + b * b <= edge * edge;
 }
 
@@ -125,7 +134,8 @@ bool hills_outline(const Paint& paint, float a, float b) {
     const float x = (a + 1) * paint.number[0] + paint.number[2];
     float crest = noise(x, 0.5f) + 0.5f * noise(2.1f * x, 7.5f);
     if (paint.number[1] > 0)
-        crest += paint.number[1] * (noise(9 * x, 3.5f) + 0.6f * noise(23 * x, 9.5f) + 0.4f * noise(57 * x, 1.5f));
+        crest += paint.number[1] *
+                 (noise(9 * x, 3.5f) + 0.6f * noise(23 * x, 9.5f) + 0.4f * noise(57 * x, 1.5f));
     return b <= crest - 0.6f - paint.number[1];
 }
 
@@ -133,7 +143,9 @@ bool ring_outline(const Paint& paint, float a, float b) {
     return a * a + b * b >= paint.number[0] * paint.number[0];
 }
 
-Surface plain(const Paint& paint, float, float, Vec3) { return lit(paint, paint.color[0]); }
+Surface plain(const Paint& paint, float, float, Vec3) {
+    return lit(paint, paint.color[0]);
+}
 
 Surface leaf_texture(const Paint& paint, float a, float b, Vec3) {
     const float rib = std::fabs(a);
@@ -180,7 +192,8 @@ Surface stamens_texture(const Paint& paint, float a, float b, Vec3) {
     // Florets on a golden spiral look like a fine, even grain.
     const float r = std::sqrt(a * a + b * b);
     const float grain = noise(a * 17, b * 17), fine = noise(a * 37 + 5, b * 37);
-    const Vec3 c = lerp(paint.color[1], paint.color[0], smooth(0.25f, 0.85f, r + 0.35f * (grain - 0.5f)));
+    const Vec3 c =
+        lerp(paint.color[1], paint.color[0], smooth(0.25f, 0.85f, r + 0.35f * (grain - 0.5f)));
     return lit(paint, c * (0.5f + 0.9f * fine));
 }
 
@@ -193,7 +206,9 @@ Surface hindwing_texture(const Paint& paint, float a, float b, Vec3) {
     return wing(paint, x, y, hindwing_depth(x, y), 0.80f, 4.5f);
 }
 
-Surface glow_texture(const Paint& paint, float, float, Vec3) { return {{}, paint.color[0]}; }
+Surface glow_texture(const Paint& paint, float, float, Vec3) {
+    return {{}, paint.color[0]};
+}
 
 Surface lantern_texture(const Paint& paint, float, float, Vec3 n) {
     const float rib = to_line(n.y * paint.number[0]);
@@ -206,28 +221,35 @@ Surface lantern_texture(const Paint& paint, float, float, Vec3 n) {
 Surface ball_texture(const Paint& paint, float, float, Vec3 n) {
     const float turn = paint.number[1], c = std::cos(turn), s = std::sin(turn);
     const Vec3 m{c * n.x - s * n.y, s * n.x + c * n.y, n.z};
-    const float around = std::atan2(m.z, m.x) * 0.15915494f, up = std::asin(std::clamp(m.y, -1.0f, 1.0f)) * 0.63661977f;
+    const float around = std::atan2(m.z, m.x) * 0.15915494f,
+                up = std::asin(std::clamp(m.y, -1.0f, 1.0f)) * 0.63661977f;
     float mark;
     if (paint.number[0] < 0.5f) {  // zigzag bands
         const float zigzag = to_line(around * 14) * 0.28f;
-        mark = smooth(0.20f, 0.30f, to_line(up * 2.5f + zigzag)) ;
-        mark = std::max(mark, smooth(0.035f, 0.02f, std::fabs(to_line(up * 2.5f + zigzag) - 0.12f)));
+        mark = smooth(0.20f, 0.30f, to_line(up * 2.5f + zigzag));
+        mark =
+            std::max(mark, smooth(0.035f, 0.02f, std::fabs(to_line(up * 2.5f + zigzag) - 0.12f)));
     } else {  // rosettes in rows
-        const float row = up * 4, x = (fraction(around * 16 + 0.5f * std::floor(row)) - 0.5f) * (1 - 0.6f * up * up),
+        const float row = up * 4,
+                    x = (fraction(around * 16 + 0.5f * std::floor(row)) - 0.5f) *
+                        (1 - 0.6f * up * up),
                     y = fraction(row) - 0.5f, r = std::sqrt(x * x + y * y);
         mark = smooth(0.36f, 0.32f, r) * smooth(0.14f, 0.18f, r) + smooth(0.09f, 0.06f, r);
     }
-    const Vec3 albedo = lerp(paint.color[0], paint.color[1], mark) * (0.94f + 0.12f * noise(around * 90, up * 45));
+    const Vec3 albedo =
+        lerp(paint.color[0], paint.color[1], mark) * (0.94f + 0.12f * noise(around * 90, up * 45));
     Vec3 radiance = albedo * dusk_light(n) * paint.light;
     // The sky's bright strip in the glaze, painted on.
     const float gleam = dot(n, unit(Vec3{-0.50f, -0.62f, -0.60f}));
-    radiance = radiance + Vec3{1.5f, 1.25f, 1.0f} * smooth(0.965f, 0.99f, gleam) + Vec3{0.16f, 0.14f, 0.14f} * smooth(0.80f, 0.97f, gleam);
+    radiance = radiance + Vec3{1.5f, 1.25f, 1.0f} * smooth(0.965f, 0.99f, gleam) +
+               Vec3{0.16f, 0.14f, 0.14f} * smooth(0.80f, 0.97f, gleam);
     return {albedo, radiance};
 }
 
 Surface hills_texture(const Paint& paint, float a, float b, Vec3) {
     const float grain = noise(a * 160, b * 60) * 0.6f + noise(a * 47, b * 23) * 0.4f;
-    const Vec3 c = lerp(paint.color[1], paint.color[0], smooth(-1.0f, 0.6f, b + 0.15f * (grain - 0.5f)));
+    const Vec3 c =
+        lerp(paint.color[1], paint.color[0], smooth(-1.0f, 0.6f, b + 0.15f * (grain - 0.5f)));
     return lit(paint, c * (0.85f + 0.3f * grain));
 }
 

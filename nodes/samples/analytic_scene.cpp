@@ -31,17 +31,20 @@ constexpr Entry entries[] = {{"garden", garden_scene, nullptr},
 const Entry& entry_of(std::string_view name) {
     for (const Entry& entry : entries)
         if (entry.name == name) return entry;
-    throw Error(fmt::format("no analytic scene '{}'; there are {}", name, fmt::join(analytic_scene_names(), ", ")));
+    throw Error(fmt::format("no analytic scene '{}'; there are {}", name,
+                            fmt::join(analytic_scene_names(), ", ")));
 }
 
 void check(const AnalyticOptions& o, int spp) {
     if (o.width < 1 || o.height < 1 || o.width > 32768 || o.height > 32768)
-        throw Error(fmt::format("an analytic scene of {} x {} pixels; expected 1 to 32768 each way", o.width, o.height));
+        throw Error(fmt::format("an analytic scene of {} x {} pixels; expected 1 to 32768 each way",
+                                o.width, o.height));
     if (spp < 1 || spp > 1 << 20)
         throw Error(fmt::format("{} samples a pixel; expected 1 to {}", spp, 1 << 20));
     if (!(o.aperture >= 0) || !std::isfinite(o.aperture) || !std::isfinite(o.shutter))
-        throw Error(fmt::format("aperture {} and shutter {}; expected finite numbers, aperture 0 or more",
-                                o.aperture, o.shutter));
+        throw Error(
+            fmt::format("aperture {} and shutter {}; expected finite numbers, aperture 0 or more",
+                        o.aperture, o.shutter));
 }
 
 // Which of the sampler's dimensions are what: the lens takes the pair that Sobol' stratifies best.
@@ -59,15 +62,17 @@ struct TilePixels {
 };
 constexpr int most_per_pixel = Rays::capacity / (Tracer::tile * Tracer::tile);
 
-void make_rays(const Camera& camera, Sampler sampler, std::uint64_t seed, const TilePixels& tile, int spp,
-               int first, int per_pixel, Batch5& batch) {
+void make_rays(const Camera& camera, Sampler sampler, std::uint64_t seed, const TilePixels& tile,
+               int spp, int first, int per_pixel, Batch5& batch) {
     float numbers[dimensions * most_per_pixel];
     int n = 0;
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x) {
-            fill_samples(sampler, seed, x, y, spp, first, per_pixel, dimensions, numbers, most_per_pixel);
+            fill_samples(sampler, seed, x, y, spp, first, per_pixel, dimensions, numbers,
+                         most_per_pixel);
             const auto number = [&](Dimension d, int i) { return numbers[d * most_per_pixel + i]; };
-            const float last_x = std::nextafter(float(x + 1), 0.0f), last_y = std::nextafter(float(y + 1), 0.0f);
+            const float last_x = std::nextafter(float(x + 1), 0.0f),
+                        last_y = std::nextafter(float(y + 1), 0.0f);
             for (int i = 0; i < per_pixel; ++i, ++n) {
                 const Disk lens = concentric_disk(number(lens_a, i), number(lens_b, i));
                 batch.film_x[n] = std::min(float(x) + number(film_x, i), last_x);
@@ -101,7 +106,8 @@ Hit hit_of(const Scene& scene, const Rays& rays, int i) {
     if (p.sphere()) {
         hit.normal = unit(hit.position - (p.origin + rays.time[i] * p.origin_motion));
     } else {
-        hit.normal = unit(cross(p.side_a + rays.time[i] * p.side_a_motion, p.side_b + rays.time[i] * p.side_b_motion));
+        hit.normal = unit(cross(p.side_a + rays.time[i] * p.side_a_motion,
+                                p.side_b + rays.time[i] * p.side_b_motion));
         if (dot(hit.normal, direction) > 0) hit.normal = hit.normal * -1;
     }
     hit.surface = p.texture(p.paint, rays.a[i], rays.b[i], hit.normal);
@@ -110,20 +116,23 @@ Hit hit_of(const Scene& scene, const Rays& rays, int i) {
 
 // Runs work(tile, batch, first, per_pixel) over all tiles in parallel and all samples in order.
 template <class Work>
-void for_tiles(const Tracer& tracer, const AnalyticOptions& o, std::uint64_t seed, int spp, Context& ctx,
-               const Work& work) {
+void for_tiles(const Tracer& tracer, const AnalyticOptions& o, std::uint64_t seed, int spp,
+               Context& ctx, const Work& work) {
     const size_t tiles = size_t(tracer.tiles_x()) * size_t(tracer.tiles_y());
     std::atomic<size_t> done{0};
     ctx.parallel(tiles, 1, [&](size_t begin, size_t end) {
         const auto batch = std::make_unique<Batch5>();
         for (size_t index = begin; index < end; ++index) {
-            const int tx = int(index % size_t(tracer.tiles_x())), ty = int(index / size_t(tracer.tiles_x()));
-            const TilePixels tile{tx * Tracer::tile, ty * Tracer::tile, std::min((tx + 1) * Tracer::tile, o.width),
+            const int tx = int(index % size_t(tracer.tiles_x())),
+                      ty = int(index / size_t(tracer.tiles_x()));
+            const TilePixels tile{tx * Tracer::tile, ty * Tracer::tile,
+                                  std::min((tx + 1) * Tracer::tile, o.width),
                                   std::min((ty + 1) * Tracer::tile, o.height)};
             for (int first = 0; first < spp; first += most_per_pixel) {
                 ctx.check_cancelled();
                 const int per_pixel = std::min(most_per_pixel, spp - first);
-                make_rays(tracer.scene().camera, o.sampler, seed, tile, spp, first, per_pixel, *batch);
+                make_rays(tracer.scene().camera, o.sampler, seed, tile, spp, first, per_pixel,
+                          *batch);
                 tracer.trace(tx, ty, batch->rays);
                 work(tile, *batch, first, per_pixel);
             }
@@ -132,11 +141,14 @@ void for_tiles(const Tracer& tracer, const AnalyticOptions& o, std::uint64_t see
     });
 }
 
-void put(std::vector<float>& to, size_t i, Vec3 v) { to[3 * i] = v.x, to[3 * i + 1] = v.y, to[3 * i + 2] = v.z; }
+void put(std::vector<float>& to, size_t i, Vec3 v) {
+    to[3 * i] = v.x, to[3 * i + 1] = v.y, to[3 * i + 2] = v.z;
+}
 
 // Homogeneous screen motion of a displacement (formats: motion).
 Vec3 motion_of(const Camera& camera, Vec3 d) {
-    return {camera.center_x * d.z + camera.scale * d.x, camera.center_y * d.z + camera.scale * d.y, d.z};
+    return {camera.center_x * d.z + camera.scale * d.x, camera.center_y * d.z + camera.scale * d.y,
+            d.z};
 }
 
 Json matrix(std::initializer_list<std::initializer_list<double>> rows) {
@@ -167,28 +179,33 @@ Samples analytic_samples(std::string_view name, const AnalyticOptions& o, Contex
     std::vector<float> position(3 * n), normal(3 * n), albedo(3 * n);
     std::vector<std::uint32_t> id(n);
 
-    for_tiles(tracer, o, o.seed, o.spp, ctx, [&](const TilePixels& tile, const Batch5& batch, int first, int per_pixel) {
-        int k = 0;
-        for (int y = tile.y0; y < tile.y1; ++y)
-            for (int x = tile.x0; x < tile.x1; ++x)
-                for (int s = 0; s < per_pixel; ++s, ++k) {
-                    const size_t i = (size_t(y) * size_t(o.width) + size_t(x)) * size_t(o.spp) + size_t(first + s);
-                    const Rays& rays = batch.rays;
-                    xy[2 * i] = batch.film_x[k], xy[2 * i + 1] = batch.film_y[k];
-                    uv[2 * i] = batch.u[k], uv[2 * i + 1] = batch.v[k];
-                    t[i] = batch.t[k];
-                    z[i] = rays.depth[k];
-                    const Hit hit = hit_of(scene, rays, k);
-                    put(rgb, i, hit.surface.radiance);
-                    if (!hit.primitive) continue;
-                    put(motion, i, motion_of(scene.camera, hit.primitive->displacement(rays.a[k], rays.b[k])));
-                    put(position, i, hit.position);
-                    put(normal, i, hit.normal);
-                    put(albedo, i, hit.surface.albedo);
-                    alpha[i] = 1;
-                    id[i] = std::uint32_t(rays.hit[k]) + 1;
-                }
-    });
+    for_tiles(tracer, o, o.seed, o.spp, ctx,
+              [&](const TilePixels& tile, const Batch5& batch, int first, int per_pixel) {
+                  int k = 0;
+                  for (int y = tile.y0; y < tile.y1; ++y)
+                      for (int x = tile.x0; x < tile.x1; ++x)
+                          for (int s = 0; s < per_pixel; ++s, ++k) {
+                              const size_t i =
+                                  (size_t(y) * size_t(o.width) + size_t(x)) * size_t(o.spp) +
+                                  size_t(first + s);
+                              const Rays& rays = batch.rays;
+                              xy[2 * i] = batch.film_x[k], xy[2 * i + 1] = batch.film_y[k];
+                              uv[2 * i] = batch.u[k], uv[2 * i + 1] = batch.v[k];
+                              t[i] = batch.t[k];
+                              z[i] = rays.depth[k];
+                              const Hit hit = hit_of(scene, rays, k);
+                              put(rgb, i, hit.surface.radiance);
+                              if (!hit.primitive) continue;
+                              put(motion, i,
+                                  motion_of(scene.camera,
+                                            hit.primitive->displacement(rays.a[k], rays.b[k])));
+                              put(position, i, hit.position);
+                              put(normal, i, hit.normal);
+                              put(albedo, i, hit.surface.albedo);
+                              alpha[i] = 1;
+                              id[i] = std::uint32_t(rays.hit[k]) + 1;
+                          }
+              });
 
     Samples samples;
     samples.width = o.width;
@@ -213,7 +230,8 @@ Samples analytic_samples(std::string_view name, const AnalyticOptions& o, Contex
     const Camera& c = scene.camera;
     Json camera = Json::object();
     camera.set("world_to_camera", matrix({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}));
-    camera.set("camera_to_pixel", matrix({{c.scale, 0, c.center_x}, {0, c.scale, c.center_y}, {0, 0, 1}}));
+    camera.set("camera_to_pixel",
+               matrix({{c.scale, 0, c.center_x}, {0, c.scale, c.center_y}, {0, 0, 1}}));
     samples.meta.set("camera", std::move(camera));
     samples.meta = samples.meta_object();
     return samples;
@@ -229,20 +247,21 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
     std::vector<std::array<double, 4>> sums(size_t(o.width) * size_t(o.height));
     const std::uint64_t seed = mix(o.seed ^ 0x5265666572656e63ull);
 
-    for_tiles(tracer, o, seed, spp, ctx, [&](const TilePixels& tile, const Batch5& batch, int, int per_pixel) {
-        int k = 0;
-        for (int y = tile.y0; y < tile.y1; ++y)
-            for (int x = tile.x0; x < tile.x1; ++x) {
-                auto& sum = sums[size_t(y) * size_t(o.width) + size_t(x)];
-                for (int s = 0; s < per_pixel; ++s, ++k) {
-                    const Hit hit = hit_of(scene, batch.rays, k);
-                    sum[0] += double(hit.surface.radiance.x);
-                    sum[1] += double(hit.surface.radiance.y);
-                    sum[2] += double(hit.surface.radiance.z);
-                    sum[3] += hit.primitive ? 1 : 0;
-                }
-            }
-    });
+    for_tiles(tracer, o, seed, spp, ctx,
+              [&](const TilePixels& tile, const Batch5& batch, int, int per_pixel) {
+                  int k = 0;
+                  for (int y = tile.y0; y < tile.y1; ++y)
+                      for (int x = tile.x0; x < tile.x1; ++x) {
+                          auto& sum = sums[size_t(y) * size_t(o.width) + size_t(x)];
+                          for (int s = 0; s < per_pixel; ++s, ++k) {
+                              const Hit hit = hit_of(scene, batch.rays, k);
+                              sum[0] += double(hit.surface.radiance.x);
+                              sum[1] += double(hit.surface.radiance.y);
+                              sum[2] += double(hit.surface.radiance.z);
+                              sum[3] += hit.primitive ? 1 : 0;
+                          }
+                      }
+              });
     for (int y = 0; y < o.height; ++y)
         for (int x = 0; x < o.width; ++x)
             for (size_t c = 0; c < 4; ++c)
@@ -250,7 +269,8 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
     return image;
 }
 
-std::optional<std::array<double, 3>> analytic_exact(std::string_view name, const AnalyticOptions& o, int x, int y) {
+std::optional<std::array<double, 3>> analytic_exact(std::string_view name, const AnalyticOptions& o,
+                                                    int x, int y) {
     const Entry& entry = entry_of(name);
     check(o, o.spp);
     if (!entry.exact) return std::nullopt;

@@ -15,11 +15,17 @@ constexpr std::uint64_t mix(std::uint64_t x) {
 }
 
 // The largest float below 1, where rounding reached 1.
-constexpr float below_one(float x) { return x < 1.0f ? x : 0x1.fffffep-1f; }
+constexpr float below_one(float x) {
+    return x < 1.0f ? x : 0x1.fffffep-1f;
+}
 
 // The upper 24 bits as a float in [0, 1).
-constexpr float unit_float(std::uint32_t bits) { return float(bits >> 8) * 0x1p-24f; }
-constexpr float unit_float(std::uint64_t bits) { return float(bits >> 40) * 0x1p-24f; }
+constexpr float unit_float(std::uint32_t bits) {
+    return float(bits >> 8) * 0x1p-24f;
+}
+constexpr float unit_float(std::uint64_t bits) {
+    return float(bits >> 40) * 0x1p-24f;
+}
 
 constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     x = x << 16 | x >> 16;
@@ -42,8 +48,8 @@ constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t key) {
     return reverse_bits(x);
 }
 
-// Where i of [0, n) stands in an order of [0, n) that `key` chooses: steps that are one to one on the
-// next power of two, again until the result is below n.
+// Where i of [0, n) stands in an order of [0, n) that `key` chooses: steps that are one to one on
+// the next power of two, again until the result is below n.
 constexpr std::uint32_t shuffled(std::uint32_t i, std::uint32_t n, std::uint64_t key) {
     if (n <= 1) return 0;
     const std::uint32_t mask = std::bit_ceil(n) - 1;

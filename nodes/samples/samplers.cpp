@@ -30,7 +30,8 @@ Disk stratified_pair(Grid grid, std::uint32_t index, std::uint64_t key) {
     const std::uint32_t cell = shuffled(index, grid.columns * grid.rows, mix(key));
     const std::uint32_t column = cell % grid.columns, row = cell / grid.columns;
     const std::uint64_t jitter = mix(key + mix(cell + 1));
-    const float x = float(shuffled(row, grid.rows, mix(key ^ (column * 2 + 1)))) + unit_float(jitter);
+    const float x =
+        float(shuffled(row, grid.rows, mix(key ^ (column * 2 + 1)))) + unit_float(jitter);
     const float y = float(shuffled(column, grid.columns, mix(key ^ (std::uint64_t(row) << 32)))) +
                     unit_float(jitter << 24);
     return {below_one((float(column) + x / float(grid.rows)) / float(grid.columns)),
@@ -39,8 +40,8 @@ Disk stratified_pair(Grid grid, std::uint32_t index, std::uint64_t key) {
 
 // ---- Sobol' -----------------------------------------------------------------------------------
 
-// Joe and Kuo's new-joe-kuo-6.21201: degree and inner coefficients of the primitive polynomial, first
-// direction numbers. Dimension 0 is the van der Corput sequence.
+// Joe and Kuo's new-joe-kuo-6.21201: degree and inner coefficients of the primitive polynomial,
+// first direction numbers. Dimension 0 is the van der Corput sequence.
 struct Direction {
     int degree;
     std::uint32_t inner;
@@ -93,8 +94,8 @@ std::uint64_t spread_bits(std::uint32_t v) {
     return (x | x << 1) & 0x5555555555555555ull;
 }
 
-// Where a pixel's samples start in its sequence, and which sequence it is: pixels are taken in blocks so
-// large that an index stays below 2^31, each block with its own scrambling.
+// Where a pixel's samples start in its sequence, and which sequence it is: pixels are taken in
+// blocks so large that an index stays below 2^31, each block with its own scrambling.
 struct SobolStart {
     std::uint32_t index;
     std::uint64_t key;
@@ -102,13 +103,13 @@ struct SobolStart {
 SobolStart sobol_start(std::uint64_t seed, int x, int y, int spp) {
     const int sample_bits = std::bit_width(std::uint32_t(std::max(spp - 1, 0)));
     const int pixel_bits = std::clamp((31 - sample_bits) & ~1, 0, 24);
-    const std::uint64_t curve =
-        spread_bits(std::uint32_t(x)) | spread_bits(std::uint32_t(y)) << 1;
+    const std::uint64_t curve = spread_bits(std::uint32_t(x)) | spread_bits(std::uint32_t(y)) << 1;
     const std::uint64_t block = pixel_bits == 0 ? curve : curve >> pixel_bits;
     SobolStart start{0, mix(mix(seed) + block)};
     if (pixel_bits > 0) {
         const std::uint32_t local = std::uint32_t(curve & ((1ull << pixel_bits) - 1));
-        const std::uint32_t order = owen_scramble(local << (32 - pixel_bits), std::uint32_t(start.key >> 32));
+        const std::uint32_t order =
+            owen_scramble(local << (32 - pixel_bits), std::uint32_t(start.key >> 32));
         start.index = (order >> (32 - pixel_bits)) * std::uint32_t(spp);
     }
     return start;
@@ -144,7 +145,8 @@ void fill_samples(Sampler sampler, std::uint64_t seed, int x, int y, int spp, in
                 pair = stratified_pair(grid, index, mix(key + std::uint64_t(d) + 1));
             } else {
                 const std::uint64_t bits =
-                    mix(key + (std::uint64_t(index) + 1) * 0x9e3779b97f4a7c15ull + std::uint64_t(d) * 0xd1b54a32d192ed03ull);
+                    mix(key + (std::uint64_t(index) + 1) * 0x9e3779b97f4a7c15ull +
+                        std::uint64_t(d) * 0xd1b54a32d192ed03ull);
                 pair = {unit_float(bits), unit_float(bits << 24)};
             }
             out[size_t(d) * stride + size_t(i)] = pair.u;
