@@ -466,8 +466,9 @@ std::string Json::dump(bool indented) const {
     return out;
 }
 
-Json parse_json(const SourcePtr& source, std::vector<Diagnostic>& findings) {
+Json parse_json(const SourcePtr& source, std::vector<Diagnostic>& findings, bool* whole) {
     const std::string& text = source->text;
+    if (whole) *whole = false;
     if (text.size() > UINT32_MAX - 1) {
         findings.push_back({Diagnostic::Level::error, "the text is larger than 4 GB", {source}});
         return {};
@@ -485,6 +486,8 @@ Json parse_json(const SourcePtr& source, std::vector<Diagnostic>& findings) {
     } else if (stream.Tell() < text.size()) {  // a zero byte looks like the end
         findings.push_back(syntax_error(source, tree, rapidjson::kParseErrorDocumentRootNotSingular,
                                         stream.Tell()));
+    } else if (whole) {
+        *whole = true;
     }
     return tree.take();
 }

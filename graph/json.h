@@ -75,7 +75,8 @@ std::string_view name_of(Json::Kind kind);
 
 // Parses a whole text. Syntax errors, duplicate keys and nesting past 100 levels are added to
 // `findings`; what could be read is returned all the same, null where nothing could.
-Json parse_json(const SourcePtr& source, std::vector<Diagnostic>& findings);
+// `whole`: set to whether the text was read to its end.
+Json parse_json(const SourcePtr& source, std::vector<Diagnostic>& findings, bool* whole = nullptr);
 
 // The same for text that a program wrote (a sample file's meta); throws Error naming `what`.
 Json parse_json_or_throw(std::string_view text, const std::string& what);

@@ -1,0 +1,414 @@
+#include "graph/connect.h"
+
+#include <algorithm>
+
+namespace weft {
+namespace {
+
+// "cluster" of the text, or with its type where that says more.
+std::string called(const Entity& entity) {
+    return entity.decl && entity.decl->type != entity.name
+               ? fmt::format("'{}' ({})", entity.name, entity.decl->type)
+               : fmt::format("'{}'", entity.name);
+}
+
+std::string type_name(const Entity& entity) {
+    return entity.decl   ? entity.decl->type
+           : entity.swap ? entity.swap->type.text
+                         : entity.text->type.text;
+}
+
+}  // namespace
+
+void Connector::run() {
+    scope(*table_.top);
+    top_outputs(*table_.top);
+}
+
+void Connector::scope(Scope& s) {
+    s.outputs.resize(s.document->outputs.size());
+    for (Entity& entity : s.entities)
+        if (entity.text && !entity.broken) node(entity);
+    // What a node of unknown type reads is read all the same.
+    for (Entity& entity : s.entities)
+        if (entity.text && (entity.broken || entity.swap))
+            for (const InputText& input : entity.text->inputs)
+                for (const LinkText& link : input.links)
+                    if (const auto found = s.by_name.find(link.node); found != s.by_name.end())
+                        found->second->read = true;
+    for (size_t i = 0; i < s.outputs.size(); ++i) output_target(s, i);
+    for (Entity& entity : s.entities)
+        if (entity.inner) scope(*entity.inner);
+}
+
+void Connector::node(Entity& entity) {
+    for (const InputText* input : entity.inputs) {
+        const std::string& name = input->port.text;
+        std::vector<std::string> known;
+        if (entity.decl) {
+            const int port = entity.decl->find_input(name);
+            if (port >= 0) {
+                leaf_input(entity, *input, port);
+                continue;
+            }
+            for (const PortDecl& p : entity.decl->inputs) known.push_back(p.name);
+        } else {
+            const auto& declared = entity.inner->document->inputs;
+            const auto found =
+                std::find_if(declared.begin(), declared.end(),
+                             [&](const GraphInput& g) { return g.name.text == name; });
+            if (found != declared.end()) {
+                graph_input(entity, *input, *found);
+                continue;
+            }
+            for (const GraphInput& g : declared) known.push_back(g.name.text);
+        }
+        if (known.empty())
+            findings_.error(input->port.place, "'{}' has no inputs", type_name(entity));
+        else
+            findings_.error(input->port.place, "'{}' has no input '{}'{}", type_name(entity), name,
+                            suggestion(name, known));
+    }
+    if (entity.bypass)
+        bypassed(entity);
+    else
+        missing_inputs(entity);
+}
+
+void Connector::leaf_input(Entity& entity, const InputText& input, int port) {
+    const PortDecl& decl = entity.decl->inputs[size_t(port)];
+    FlatNode& flat = table_.nodes[size_t(entity.flat)];
+    const bool many = decl.need == Need::variadic;
+    if (!many && input.is_list) {
+        findings_.error(input.port.place, "'{}' takes one link, not a list", decl.name);
+        return;
+    }
+    if (many && input.is_list && input.links.empty())
+        findings_.error(input.port.place, "'{}' is an empty list; expected at least one link to {}",
+                        decl.name, decl.type);
+    for (const LinkText& link : input.links) {
+        const Target target = follow(*entity.scope, link, decl.type, true);
+        if (target.state == Target::open) {
+            if (target.type != decl.type)
+                findings_.error(link.place, "'{}' is {}; '{}' takes {}", link.text(), target.type,
+                                decl.name, decl.type);
+            else if (decl.need == Need::required && !entity.bypass)
+                findings_.error(
+                    link.place,
+                    "'{}' must be connected, but the graph's optional input '{}' is left open here",
+                    decl.name, link.node);
+        } else if (target.state == Target::found) {
+            if (target.type == decl.type)
+                flat.inputs[size_t(port)].push_back({target.link, link.place});
+            else
+                findings_.error(link.place, "'{}' is {}; '{}' takes {}", link.text(), target.type,
+                                decl.name, decl.type);
+        }
+    }
+}
+
+void Connector::graph_input(Entity& entity, const InputText& input, const GraphInput& declared) {
+    if (input.is_list) {
+        findings_.error(input.port.place, "'{}' takes one link, not a list", declared.name.text);
+        return;
+    }
+    if (table_.types.find(declared.type.text) == table_.types.end()) return;  // told there
+    for (const LinkText& link : input.links) {
+        const Target target = follow(*entity.scope, link, declared.type.text, true);
+        if (target.state != Target::found && target.state != Target::open) continue;
+        if (target.type != declared.type.text)
+            findings_.error(link.place, "'{}' is {}; '{}' takes {}", link.text(), target.type,
+                            declared.name.text, declared.type.text);
+        else if (target.state == Target::open && !declared.optional)
+            findings_.error(
+                link.place,
+                "'{}' must be connected, but the graph's optional input '{}' is left open here",
+                declared.name.text, link.node);
+    }
+}
+
+void Connector::missing_inputs(const Entity& entity) {
+    const auto is_given = [&](const std::string& name) {
+        return std::any_of(entity.inputs.begin(), entity.inputs.end(),
+                           [&](const InputText* in) { return in->port.text == name; });
+    };
+    const auto complain = [&](const std::string& name, const std::string& type) {
+        if (entity.swap)
+            findings_.error(entity.swap->place,
+                            "'{}' needs input '{}' ({}), which '{}' is not given",
+                            type_name(entity), name, type, entity.name);
+        else
+            findings_.error(entity.place, "{} needs input '{}' ({})", called(entity), name, type);
+    };
+    if (entity.decl) {
+        for (const PortDecl& port : entity.decl->inputs)
+            if (port.need != Need::optional && !is_given(port.name)) complain(port.name, port.type);
+    } else {
+        for (const GraphInput& in : entity.inner->document->inputs)
+            if (!in.optional && !is_given(in.name.text)) complain(in.name.text, in.type.text);
+    }
+}
+
+void Connector::bypassed(Entity& entity) {
+    const std::string_view type = first_input_type(entity);
+    if (type.empty()) {
+        findings_.error(entity.bypass_place, "{} cannot be bypassed: it has no input to pass on",
+                        called(entity));
+        return;
+    }
+    const std::vector<View> own = own_outputs(entity);
+    const bool unsure = std::any_of(own.begin(), own.end(),
+                                    [](const View& v) { return v.target.state == Target::broken; });
+    if (std::none_of(own.begin(), own.end(), [&](const View& v) { return v.type == type; })) {
+        if (!unsure)
+            findings_.error(entity.bypass_place,
+                            "{} cannot be bypassed: its first input is {}, and no output is",
+                            called(entity), type);
+        return;
+    }
+    const InputText* input = first_input(entity);
+    if (!input)
+        findings_.error(entity.bypass_place,
+                        "{} cannot be bypassed: its first input is not connected", called(entity));
+    else if (input->links.size() > 1)
+        findings_.error(entity.bypass_place,
+                        "{} cannot be bypassed: its first input has several links", called(entity));
+}
+
+void Connector::top_outputs(Scope& s) {
+    for (size_t i = 0; i < s.outputs.size(); ++i) {
+        const Target target = output_target(s, i);
+        const GraphOutput& output = s.document->outputs[i];
+        if (target.state != Target::found) continue;
+        const auto type = table_.types.find(target.type);
+        if (for_run_ && type != table_.types.end() && type->second)
+            findings_.error(
+                output.link.place,
+                "'{}' is a stream ({}); an output of a graph that is run must be a whole value",
+                output.link.text(), target.type);
+        table_.outputs[output.name.text] = target.link;
+    }
+}
+
+Target Connector::follow(Scope& s, const LinkText& link, std::string_view wanted, bool tell) {
+    Target broken;
+    broken.state = Target::broken;
+    const auto found = s.by_name.find(link.node);
+    if (found == s.by_name.end()) {
+        std::vector<std::string> names;
+        for (const Entity& entity : s.entities) names.push_back(entity.name);
+        if (tell)
+            findings_.error(link.place, "no node '{}'{}", link.node, suggestion(link.node, names));
+        // The one that was meant is not unread as well.
+        if (const auto near = s.by_name.find(nearest_name(link.node, names));
+            near != s.by_name.end())
+            near->second->read = true;
+        return broken;
+    }
+    Entity& entity = *found->second;
+    entity.read = true;
+    if (entity.broken) return broken;
+    if (entity.input) {
+        if (link.port.empty()) return through(entity);
+        if (tell)
+            findings_.error(link.place,
+                            "'{0}' is an input of this graph and has no ports; write \"{0}\"",
+                            link.node);
+        return broken;
+    }
+    return choose(entity, link, wanted, tell);
+}
+
+Target Connector::choose(Entity& entity, const LinkText& link, std::string_view wanted, bool tell) {
+    Target broken;
+    broken.state = Target::broken;
+    const std::vector<View> views = outputs_of(entity);
+    if (!link.port.empty()) {
+        for (const View& view : views)
+            if (view.name == link.port) return view.target;
+    } else if (views.size() == 1) {
+        return views[0].target;
+    } else {
+        const View* fits = nullptr;
+        int count = 0;
+        for (const View& view : views) {
+            if (view.target.state == Target::broken) return broken;
+            if (view.type != wanted) continue;
+            fits = &view;
+            ++count;
+        }
+        if (count == 1) return fits->target;
+    }
+    if (entity.bypass && views.empty()) return broken;  // told at the bypass
+    return unfitting(entity, link, wanted, views, tell);
+}
+
+Target Connector::unfitting(Entity& entity, const LinkText& link, std::string_view wanted,
+                            const std::vector<View>& views, bool tell) {
+    Target broken;
+    broken.state = Target::broken;
+    std::string offered;
+    std::vector<std::string> names;
+    for (const View& view : views) {
+        names.emplace_back(view.name);
+        offered += fmt::format("{}'{}.{}' ({})", offered.empty() ? "" : ", ", entity.name,
+                               view.name, view.type);
+    }
+    if (offered.empty()) offered = "no outputs";
+    if (entity.swap) {
+        // The new type may call the same thing by another name.
+        std::string_view type = wanted;
+        if (entity.swapped_from) {
+            const auto& old = entity.swapped_from->outputs;
+            const int port = entity.swapped_from->find_output(link.port);
+            if (port >= 0)
+                type = old[size_t(port)].type;
+            else if (link.port.empty() && old.size() == 1)
+                type = old[0].type;
+        }
+        const View* fits = nullptr;
+        int count = 0;
+        for (const View& view : views)
+            if (view.type == type) {
+                fits = &view;
+                ++count;
+            }
+        if (count == 1) return fits->target;
+        if (tell)
+            findings_.error(entity.swap->place, "'{}' has nothing for the link '{}'{}; it has {}",
+                            type_name(entity), link.text(),
+                            type.empty() ? "" : fmt::format(" ({})", type), offered);
+        return broken;
+    }
+    if (!tell) return broken;
+    const Place& place = entity.bypass && entity.bypass_place.source != link.place.source
+                             ? entity.bypass_place
+                             : link.place;
+    if (entity.bypass)
+        findings_.error(place, "{} is bypassed, which leaves {}; '{}' is not there", called(entity),
+                        offered, link.text());
+    else if (views.empty())
+        findings_.error(place, "{} has no outputs", called(entity));
+    else if (!link.port.empty())
+        findings_.error(place, "{} has no output '{}'{}", called(entity), link.port,
+                        suggestion(link.port, names));
+    else
+        findings_.error(place, "{} has several outputs; expected one of {}", called(entity),
+                        offered);
+    return broken;
+}
+
+std::vector<Connector::View> Connector::own_outputs(Entity& entity) {
+    std::vector<View> out;
+    if (entity.decl) {
+        for (size_t i = 0; i < entity.decl->outputs.size(); ++i) {
+            const PortDecl& port = entity.decl->outputs[i];
+            out.push_back(
+                {port.name, port.type, {Target::found, {entity.flat, int(i)}, port.type}});
+        }
+    } else if (entity.inner) {
+        Scope& inner = *entity.inner;
+        inner.outputs.resize(inner.document->outputs.size());
+        for (size_t i = 0; i < inner.outputs.size(); ++i) {
+            const Target target = output_target(inner, i);
+            out.push_back({inner.document->outputs[i].name.text, target.type, target});
+        }
+    }
+    return out;
+}
+
+std::vector<Connector::View> Connector::outputs_of(Entity& entity) {
+    std::vector<View> own = own_outputs(entity);
+    if (!entity.bypass) return own;
+    const std::string_view type = first_input_type(entity);
+    if (type.empty()) return {};
+    const InputText* input = first_input(entity);
+    if (!input || input->links.size() != 1) return {};
+    const View* passing = nullptr;
+    for (const View& view : own)
+        if (view.type == type && (!passing || view.name == input->port.text)) passing = &view;
+    if (!passing) return {};
+    return {{passing->name, type, through(entity)}};
+}
+
+std::string_view Connector::first_input_type(const Entity& entity) const {
+    if (entity.decl)
+        return entity.decl->inputs.empty() ? std::string_view() : entity.decl->inputs[0].type;
+    const auto& inputs = entity.inner->document->inputs;
+    return inputs.empty() ? std::string_view() : inputs[0].type.text;
+}
+
+const InputText* Connector::first_input(const Entity& entity) const {
+    const std::string& name =
+        entity.decl ? entity.decl->inputs[0].name : entity.inner->document->inputs[0].name.text;
+    for (const InputText* input : entity.inputs)
+        if (input->port.text == name) return input;
+    return nullptr;
+}
+
+Target Connector::through(Entity& entity) {
+    Target& passed = entity.passed;
+    if (passed.state == Target::trying) {
+        findings_.error(entity.place,
+                        "'{}' leads back to itself: there are only inputs and outputs of graphs "
+                        "and bypassed nodes on "
+                        "the way",
+                        entity.name);
+        passed.state = Target::broken;
+        return passed;
+    }
+    if (passed.state != Target::untried) return passed;
+    passed.state = Target::trying;
+
+    Target result;
+    result.state = Target::broken;
+    std::string_view type;
+    if (entity.input) {
+        type = entity.input->type.text;
+        const Entity* around = entity.scope->entity;
+        if (!around) {
+            result = {for_run_ && entity.input->optional ? Target::open : Target::found,
+                      {entity.flat, 0},
+                      type};
+        } else {
+            const InputText* given = nullptr;
+            for (const InputText* input : around->inputs)
+                if (input->port.text == entity.name) given = input;
+            if (!given)
+                result = {entity.input->optional ? Target::open : Target::broken, {}, type};
+            else if (given->links.size() == 1)
+                result = follow(*around->scope, given->links[0], type, false);
+        }
+    } else {
+        type = first_input_type(entity);
+        result = follow(*entity.scope, first_input(entity)->links[0], type, false);
+    }
+    if (result.type != type) result.state = Target::broken;  // told where the link is
+    result.type = type;
+    passed = result;
+    return passed;
+}
+
+Target Connector::output_target(Scope& s, size_t index) {
+    const LinkText& link = s.document->outputs[index].link;
+    if (s.outputs[index].state == Target::trying) {
+        findings_.error(link.place,
+                        "'{}' leads back to itself: there are only inputs and outputs of graphs "
+                        "and bypassed nodes on "
+                        "the way",
+                        link.text());
+        s.outputs[index].state = Target::broken;
+        return s.outputs[index];
+    }
+    if (s.outputs[index].state != Target::untried) return s.outputs[index];
+    s.outputs[index].state = Target::trying;
+    const Target target = follow(s, link, "", true);
+    s.outputs[index] = target;
+    return target;
+}
+
+void connect(Table& table, bool for_run, Findings& findings) {
+    Connector(table, for_run, findings).run();
+}
+
+}  // namespace weft
