@@ -11,7 +11,7 @@ struct AnalyticReference : AnalyticNode {
 
     static void declare(Ports<AnalyticReference>& node) {
         node.about("the mean of many samples a pixel of a built-in scene: its reference picture")
-            .out<Image>("image", "R G B A, scene-linear, box filter over pixel, lens and shutter")
+            .out<Image>("image", "R G B, scene-linear, box filter over pixel, lens and shutter")
             .param("spp", &AnalyticReference::spp,
                    {.unit = "samples", .min = 1, .max = 1 << 20, .about = "samples a pixel"});
         declare_shared(node);
@@ -19,7 +19,7 @@ struct AnalyticReference : AnalyticNode {
 
     Cost cost(const Shapes&) const {
         const double pixels = double(width) * height;
-        return {{{"image", {width, height, 4, 0, pixels * 16}}}, pixels * 32, pixels * spp * 1000};
+        return {{{"image", {width, height, 3, 0, pixels * 12}}}, pixels * 24, pixels * spp * 1000};
     }
 
     void run(const Inputs&, Outputs& out, Context& ctx) const {

@@ -242,9 +242,9 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
     check(o, spp);
     const Scene scene = entry.build(o);
     const Tracer tracer(scene, o.width, o.height);
-    Image image(o.width, o.height, 4);
+    Image image(o.width, o.height, 3);
     image.color_space = "lin_rec709";
-    std::vector<std::array<double, 4>> sums(size_t(o.width) * size_t(o.height));
+    std::vector<Color> sums(size_t(o.width) * size_t(o.height));
     const std::uint64_t seed = mix(o.seed ^ 0x5265666572656e63ull);
 
     for_tiles(tracer, o, seed, spp, ctx,
@@ -258,13 +258,12 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
                               sum[0] += double(hit.surface.radiance.x);
                               sum[1] += double(hit.surface.radiance.y);
                               sum[2] += double(hit.surface.radiance.z);
-                              sum[3] += hit.primitive ? 1 : 0;
-                          }
+                                    }
                       }
               });
     for (int y = 0; y < o.height; ++y)
         for (int x = 0; x < o.width; ++x)
-            for (size_t c = 0; c < 4; ++c)
+            for (size_t c = 0; c < 3; ++c)
                 image.at(x, y)[c] = float(sums[size_t(y) * size_t(o.width) + size_t(x)][c] / spp);
     return image;
 }

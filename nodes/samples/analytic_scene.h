@@ -42,7 +42,7 @@ std::vector<std::string> analytic_scene_names();
 // and id (0: background). Throws Error naming the scenes there are if `scene` is none of them.
 Samples analytic_samples(std::string_view scene, const AnalyticOptions& options, Context& ctx);
 
-// The mean of `spp` samples a pixel (box filter over pixel, lens and shutter), R G B A. Samples are
+// The mean of `spp` samples a pixel (box filter over pixel, lens and shutter), R G B. Samples are
 // not kept; options.spp is not looked at. The seed is taken so that no sample of analytic_samples
 // comes back.
 Image analytic_reference(std::string_view scene, const AnalyticOptions& options, int spp,
