@@ -1,5 +1,7 @@
-// read-samples: a renderer's sample buffer from a file, its values checked.
+// read-samples: a renderer's sample buffer from a file, its values checked; or, for a file called
+// analytic:NAME, one sample a pixel of a built-in scene.
 #include "runtime/node.h"
+#include "samples/analytic_scene.h"
 #include "samples/sample_file.h"
 #include "samples/samples.h"
 
@@ -16,7 +18,8 @@ struct ReadSamples {
                    "told apart by content. Reads the basic channels xy uv t z motion rgb alpha weight "
                    "z_gradient, and those listed in 'channels': what is not asked for costs nothing")
             .out<Samples>("samples", "the buffer; unusable samples are dropped with a warning")
-            .param("file", &ReadSamples::file, {.about = "sample file"})
+            .param("file", &ReadSamples::file, {.about = "sample file, or analytic:NAME, a built-in scene at 640 x 360 with one sample a "
+                             "pixel (analytic-samples has more to choose)"})
             .param("channels", &ReadSamples::channels,
                    {.about = "channels to read beside the basic ones; \"*\" reads all. A standard name "
                              "(normal, albedo ...) that the file lacks is passed over"})
@@ -27,6 +30,11 @@ struct ReadSamples {
     }
 
     void run(const Inputs&, Outputs& out, Context& ctx) const {
+        constexpr std::string_view built_in = "analytic:";
+        if (file.path.starts_with(built_in)) {
+            out.set("samples", analytic_samples(file.path.substr(built_in.size()), {}, ctx));
+            return;
+        }
         out.set("samples", read_sample_file(map_file(file.path), {channels, tolerate}, ctx));
     }
 };
