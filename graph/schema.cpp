@@ -17,7 +17,7 @@ Json object(std::initializer_list<std::pair<const char*, Json>> members) {
     return out;
 }
 
-Json ref(const std::string& name) {
+Json defined(const std::string& name) {
     return object({{"$ref", "#/$defs/" + name}});
 }
 
@@ -59,7 +59,7 @@ Json kind_schema(Kind kind) {
             return object({{"type", "string"}});
         case Kind::color:
             return object({{"type", "array"},
-                           {"items", any_of({object({{"type", "number"}}), ref("reference")})},
+                           {"items", any_of({object({{"type", "number"}}), defined("reference")})},
                            {"minItems", 3},
                            {"maxItems", 3}});
         case Kind::list:
@@ -84,7 +84,7 @@ Json value_schema(const ParamDecl& decl) {
     const bool textual = decl.kind == Kind::text || decl.kind == Kind::file;
     Json out = textual ? value
                        : any_of({std::move(value),
-                                 ref(decl.kind == Kind::choice ? "made-text" : "reference")});
+                                 defined(decl.kind == Kind::choice ? "made-text" : "reference")});
     std::string about = decl.about;
     if (!decl.unit.empty()) about += fmt::format("{}({})", about.empty() ? "" : " ", decl.unit);
     if (!about.empty()) out.set("description", about);
@@ -98,9 +98,9 @@ Json node_schema(const NodeDecl& decl) {
     for (const PortDecl& port : decl.inputs) {
         Json link =
             port.need == Need::variadic
-                ? any_of({ref("link"),
-                          object({{"type", "array"}, {"items", ref("link")}, {"minItems", 1}})})
-                : ref("link");
+                ? any_of({defined("link"),
+                          object({{"type", "array"}, {"items", defined("link")}, {"minItems", 1}})})
+                : defined("link");
         link.set("description",
                  fmt::format("{}{}{}", port.type, port.about.empty() ? "" : ": ", port.about));
         inputs.set(port.name, std::move(link));
@@ -199,16 +199,16 @@ Json graph_schema(const Catalog& catalog) {
         rules.push_back(object(
             {{"if", object({{"properties", object({{"type", object({{"enum", texts(names)}})}})},
                             {"required", texts({"type"})}})},
-             {"then", ref("node:" + decl->type)}}));
+             {"then", defined("node:" + decl->type)}}));
     }
     Json type = any_of(
         {object({{"enum", Json::list(std::move(types))}}),
          object(
              {{"type", "string"}, {"pattern", "\\.json$"}, {"description", "a graph as a node"}})});
-    Json links =
-        object({{"type", "object"},
-                {"additionalProperties",
-                 any_of({ref("link"), object({{"type", "array"}, {"items", ref("link")}})})}});
+    Json links = object(
+        {{"type", "object"},
+         {"additionalProperties",
+          any_of({defined("link"), object({{"type", "array"}, {"items", defined("link")}})})}});
     Json node = closed(object({{"type", std::move(type)},
                                {"in", std::move(links)},
                                {"set", object({{"type", "object"}})},
@@ -235,10 +235,10 @@ Json graph_schema(const Catalog& catalog) {
     Json document = closed(object({{"$schema", object({{"type", "string"}})},
                                    {"weft", object({{"const", document_version}})},
                                    {"about", object({{"type", "string"}})},
-                                   {"parameters", named(name_pattern, ref("parameter"))},
-                                   {"inputs", named(name_pattern, ref("input"))},
-                                   {"outputs", named(name_pattern, ref("link"))},
-                                   {"nodes", named(path_pattern, ref("node"))},
+                                   {"parameters", named(name_pattern, defined("parameter"))},
+                                   {"inputs", named(name_pattern, defined("input"))},
+                                   {"outputs", named(name_pattern, defined("link"))},
+                                   {"nodes", named(path_pattern, defined("node"))},
                                    {"layout", true}}),
                            {"weft", "nodes"});
     for (JsonMember& member : document.members) out.set(member.key, std::move(member.value));
