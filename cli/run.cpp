@@ -1,8 +1,12 @@
 // run: checks, plans and runs a graph.
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "cli/commands.h"
 #include "cli/terminal.h"
+#include "image/picture_file.h"
 #include "runtime/atomic_file.h"
 #include "runtime/isa.h"
 #include "runtime/provenance.h"
@@ -27,13 +31,46 @@ void print_errors(const RunResult& result) {
     }
 }
 
+bool is_picture(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    char head[16] = {};
+    file.read(head, sizeof head);
+    return is_exr_or_png({head, size_t(file.gcount())});
+}
+
+// A file that the picture was made from and that is not what it was: the run goes on, with a word.
+void compare_inputs(const std::string& picture, const std::string& recorded) {
+    const Json inputs = parse_json_or_throw(recorded, picture + ": weft:inputs");
+    for (const Json& input : inputs.items) {
+        const Json *path = input.find("path"), *hash = input.find("xxh3");
+        if (!path || !hash) continue;
+        std::error_code error;
+        if (!std::filesystem::exists(path->text, error)) continue;  // its reader will say so
+        if (content_hash(path->text) != hash->text)
+            complain(fmt::format("warning: {}: has changed since {} was made", path->text, picture));
+    }
+}
+
+// The graph a picture carries, as if it were a document.
+Loaded load_from_picture(const std::string& picture, const LoadOptions& options) {
+    const auto attributes = picture_info(picture).attributes;
+    const auto graph = attributes.find("weft:graph");
+    if (graph == attributes.end())
+        throw Error(fmt::format("{}: carries no graph; only pictures that Weft wrote can be run again", picture));
+    if (const auto inputs = attributes.find("weft:inputs"); inputs != attributes.end()) compare_inputs(picture, inputs->second);
+    if (const auto version = attributes.find("weft:version"); version != attributes.end() && version->second != program_version)
+        complain(fmt::format("warning: {}: made by weft {}, this is {}", picture, version->second, program_version));
+    return load_graph_text(graph->second, picture, Registry::instance(), options);
+}
+
 }  // namespace
 
 int run(const RunCommand& options) {
     LoadOptions load;
     load.overrides = options.overrides;
     load.for_run = true;
-    const Loaded loaded = load_graph(options.graph, Registry::instance(), load);
+    const Loaded loaded = is_picture(options.graph) ? load_from_picture(options.graph, load)
+                                                    : load_graph(options.graph, Registry::instance(), load);
     print_findings(loaded.findings);
     if (!loaded.ok()) return misused;
 
