@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "runtime/registry.h"
@@ -35,92 +36,29 @@ std::vector<bool> needed_nodes(const Graph& graph, const std::vector<Tap>& taps)
     return needed;
 }
 
-// Which stream nodes run together. Nodes that streams connect are one component; where a node of a
-// component needs a value that a sink of the same component makes, it belongs to a later pass, and
-// the stages before it run once more there (they are pure: the same batches come out).
-class Segments {
-  public:
-    Segments(const Graph& graph, const std::vector<bool>& needed) : graph_(graph) {
-        const size_t count = graph.nodes.size();
-        component_.resize(count);
-        for (size_t n = 0; n < count; ++n) component_[n] = int(n);
-        for (size_t n = 0; n < count; ++n)
-            for_stream_inputs(int(n), [&](int from) { unite(int(n), from); });
-        passes(needed);
-    }
-
-    struct Segment {
-        int component, pass;
-        std::vector<int> nodes;
-    };
-    std::vector<Segment> segments;
-
-  private:
-    template <class Visit>
-    void for_stream_inputs(int node, Visit visit) const {
-        for (const auto& links : graph_.nodes[size_t(node)].inputs)
-            for (const Link& link : links)
-                if (output_of(graph_, link).stream) visit(link.node);
-    }
-    int root(int n) {
-        while (component_[size_t(n)] != n) n = component_[size_t(n)];
+// Which stream nodes run together: those that streams connect. The checker has seen to it that they
+// have one source and that none of them waits for a value that their own sinks make.
+std::vector<std::vector<int>> connected_by_streams(const Graph& graph, const std::vector<bool>& needed) {
+    std::vector<int> parent(graph.nodes.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int n) {
+        while (parent[size_t(n)] != n) n = parent[size_t(n)];
         return n;
-    }
-    void unite(int a, int b) {
-        a = root(a);
-        b = root(b);
-        component_[size_t(std::max(a, b))] = std::min(a, b);
-    }
-
-    void passes(const std::vector<bool>& needed) {
-        const size_t count = graph_.nodes.size();
-        std::vector<std::map<int, int>> least(count);  // by component: the pass whose values are needed, plus one
-        std::vector<int> pass(count, 0);
-        for (size_t n = 0; n < count; ++n) {
-            const bool stream = is_stream_node(graph_.nodes[n]);
-            for (const auto& links : graph_.nodes[n].inputs)
-                for (const Link& link : links) {
-                    const size_t from = size_t(link.node);
-                    for (const auto& [component, level] : least[from])
-                        least[n][component] = std::max(least[n][component], level);
-                    if (!is_stream_node(graph_.nodes[from])) continue;
-                    const int level = pass[from] + (output_of(graph_, link).stream ? 0 : 1);
-                    int& mine = least[n][root(link.node)];
-                    mine = std::max(mine, level);
+    };
+    std::map<int, std::vector<int>> runs;
+    for (size_t n = 0; n < graph.nodes.size(); ++n)
+        for (const auto& links : graph.nodes[n].inputs)
+            for (const Link& link : links)
+                if (output_of(graph, link).stream) {
+                    const int a = root(int(n)), b = root(link.node);
+                    parent[size_t(std::max(a, b))] = std::min(a, b);
                 }
-            if (stream) pass[n] = least[n].count(root(int(n))) ? least[n][root(int(n))] : 0;
-        }
-        std::map<std::pair<int, int>, std::set<int>> members;
-        for (size_t n = 0; n < count; ++n)
-            if (needed[n] && is_stream_node(graph_.nodes[n]))
-                add_with_ancestors(int(n), members[{root(int(n)), pass[n]}]);
-        for (auto& [key, nodes] : members) {
-            // A pass that only repeats stages which a later pass of the component runs anyway is not run.
-            const bool makes = std::any_of(nodes.begin(), nodes.end(), [&](int n) {
-                return pass[size_t(n)] == key.second && ends_here(n, needed);
-            });
-            if (makes) segments.push_back({key.first, key.second, {nodes.begin(), nodes.end()}});
-        }
-    }
-    // A sink, or a stage whose stream nobody needed reads.
-    bool ends_here(int node, const std::vector<bool>& needed) const {
-        for (const PortDecl& port : graph_.nodes[size_t(node)].type->outputs)
-            if (!port.stream) return true;
-        for (size_t n = 0; n < graph_.nodes.size(); ++n) {
-            bool reads = false;
-            if (needed[n]) for_stream_inputs(int(n), [&](int from) { reads |= from == node; });
-            if (reads) return false;
-        }
-        return true;
-    }
-    void add_with_ancestors(int node, std::set<int>& into) const {
-        if (!into.insert(node).second) return;
-        for_stream_inputs(node, [&](int from) { add_with_ancestors(from, into); });
-    }
-
-    const Graph& graph_;
-    std::vector<int> component_;
-};
+    for (size_t n = 0; n < graph.nodes.size(); ++n)
+        if (needed[n] && is_stream_node(graph.nodes[n])) runs[root(int(n))].push_back(int(n));
+    std::vector<std::vector<int>> segments;
+    for (auto& [first, nodes] : runs) segments.push_back(std::move(nodes));
+    return segments;
+}
 
 std::string segment_name(const Graph& graph, const std::vector<int>& nodes) {
     const std::string& first = graph.nodes[size_t(nodes.front())].name;
@@ -128,12 +66,11 @@ std::string segment_name(const Graph& graph, const std::vector<int>& nodes) {
     return nodes.size() == 1 ? first : first + " ... " + last;
 }
 
-// Which task makes each value. A sink that is in several passes' segments makes its value in one.
+// Which task makes each value.
 std::vector<int> task_of_nodes(const Graph& graph, const std::vector<Task>& tasks) {
     std::vector<int> task(graph.nodes.size(), -1);
     for (size_t t = 0; t < tasks.size(); ++t)
-        for (int n : tasks[t].nodes)
-            if (task[size_t(n)] < 0) task[size_t(n)] = int(t);
+        for (int n : tasks[t].nodes) task[size_t(n)] = int(t);
     return task;
 }
 
@@ -255,11 +192,11 @@ Plan make_plan(const Graph& graph, const PlanOptions& options) {
             task.name = graph.nodes[n].name;
             plan.tasks.push_back(std::move(task));
         }
-    for (const Segments::Segment& segment : Segments(graph, needed).segments) {
+    for (std::vector<int>& nodes : connected_by_streams(graph, needed)) {
         Task task;
         task.segment = true;
-        task.nodes = segment.nodes;
-        task.name = segment_name(graph, segment.nodes);
+        task.name = segment_name(graph, nodes);
+        task.nodes = std::move(nodes);
         plan.tasks.push_back(std::move(task));
     }
     // Tasks in the order of their first node, so that a plan reads like its document.

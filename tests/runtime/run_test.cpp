@@ -77,20 +77,6 @@ TEST(Run, CountsWhatEveryStageDid) {
     EXPECT_EQ(dots["sum"], 21000u);
 }
 
-TEST(Run, AStreamMayNeedAValueThatItsOwnSourceMadeBefore) {
-    const Graph graph = toy_graph(R"({"weft": 1, "nodes": {
-        "dots": {"type": "toy-dots"},
-        "sum": {"type": "toy-sum", "in": {"dots": "dots"}},
-        "scale": {"type": "toy-scale", "in": {"dots": "dots", "number": "sum.total"}, "set": {"by": 1}},
-        "again": {"type": "toy-sum", "in": {"dots": "scale"}},
-        "a": {"type": "toy-note", "in": {"number": "sum.total"}, "set": {"label": "a"}},
-        "b": {"type": "toy-note", "in": {"number": "again.total"}, "set": {"label": "b"}}}})");
-    ASSERT_TRUE(run_toy(graph, *make_thread_executor(2)).ok());
-    double a = 0, b = 0;
-    for (const auto& [label, number] : Notes::instance().numbers) (label == "a" ? a : b) = number;
-    EXPECT_NEAR(b / (a * a), 1, 1e-5);
-}
-
 TEST(Run, LoopsMayNest) {
     const Graph graph = toy_graph(R"({"weft": 1, "nodes": {
         "a": {"type": "toy-nested"}, "b": {"type": "toy-nested"}, "sum": {"type": "toy-add", "in": {"numbers": ["a", "b"]}},
