@@ -407,7 +407,7 @@ Target Connector::output_target(Scope& s, size_t index) {
     return target;
 }
 
-void connect(Table& table, bool for_run, Findings& findings) {
+void connect(MemberTable& table, bool for_run, Findings& findings) {
     Connector(table, for_run, findings).run();
 }
 

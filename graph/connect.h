@@ -11,7 +11,7 @@ namespace weft {
 
 class Connector {
   public:
-    Connector(Table& table, bool for_run, Findings& findings)
+    Connector(MemberTable& table, bool for_run, Findings& findings)
         : table_(table), for_run_(for_run), findings_(findings) {}
     void run();
 
@@ -42,7 +42,7 @@ class Connector {
     Target through(Entity& entity);
     Target output_target(Scope& scope, size_t index);
 
-    Table& table_;
+    MemberTable& table_;
     bool for_run_;
     Findings& findings_;
 };

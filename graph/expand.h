@@ -12,7 +12,7 @@ namespace weft {
 
 class Expander {
   public:
-    Expander(Table& table, Library& library, Options& options, bool for_run, Findings& findings)
+    Expander(MemberTable& table, Library& library, Options& options, bool for_run, Findings& findings)
         : table_(table),
           library_(library),
           options_(options),
@@ -48,7 +48,7 @@ class Expander {
     void unknown_settings(Entity& entity, const std::string& path, const Owner& owner);
     void unused_options();
 
-    Table& table_;
+    MemberTable& table_;
     Library& library_;
     Options& options_;
     bool for_run_;

@@ -9,7 +9,7 @@ namespace weft {
 
 class Library {
   public:
-    Library(Table& table, Findings& findings) : table_(table), findings_(findings) {}
+    Library(MemberTable& table, Findings& findings) : table_(table), findings_(findings) {}
 
     // nullptr: it cannot be read; `problem` says why. A document with errors is returned all the
     // same.
@@ -18,7 +18,7 @@ class Library {
 
   private:
     const Document& add(std::string text, const std::string& name, const std::string& canonical);
-    Table& table_;
+    MemberTable& table_;
     Findings& findings_;
     std::map<std::string, const Document*> read_;  // by canonical path
 };

@@ -43,7 +43,7 @@ void invent_parameters(Graph& graph) {
     }
 }
 
-void build(Table& table, const std::vector<int>& order, Graph& graph) {
+void build(MemberTable& table, const std::vector<int>& order, Graph& graph) {
     std::vector<int> index(table.nodes.size(), -1);
     for (const int node : order) {
         if (table.nodes[size_t(node)].stand_in) continue;
@@ -69,7 +69,7 @@ void build(Table& table, const std::vector<int>& order, Graph& graph) {
     invent_parameters(graph);
 }
 
-Loaded load(Table& table, Library& library, const Document& top, const LoadOptions& options,
+Loaded load(MemberTable& table, Library& library, const Document& top, const LoadOptions& options,
             Findings& findings) {
     Loaded loaded;
     loaded.graph.name = top.source->name;
@@ -91,7 +91,7 @@ Loaded load(Table& table, Library& library, const Document& top, const LoadOptio
 
 Loaded load_graph(const std::string& path, const Catalog& catalog, const LoadOptions& options) {
     Findings findings;
-    Table table;
+    MemberTable table;
     table.catalog = &catalog;
     table.types = port_types(catalog);
     Library library(table, findings);
@@ -109,7 +109,7 @@ Loaded load_graph(const std::string& path, const Catalog& catalog, const LoadOpt
 Loaded load_graph_text(std::string text, const std::string& name, const Catalog& catalog,
                        const LoadOptions& options) {
     Findings findings;
-    Table table;
+    MemberTable table;
     table.catalog = &catalog;
     table.types = port_types(catalog);
     Library library(table, findings);

@@ -28,7 +28,7 @@ struct Joined {
 
 class StreamChecker {
   public:
-    StreamChecker(const Table& table, Findings& findings) : table_(table), findings_(findings) {
+    StreamChecker(const MemberTable& table, Findings& findings) : table_(table), findings_(findings) {
         streams_.resize(table.nodes.size());
         member_.assign(table.nodes.size(), -1);
         waits_.resize(table.nodes.size());
@@ -204,7 +204,7 @@ class StreamChecker {
         FlatLink link;
     };
 
-    const Table& table_;
+    const MemberTable& table_;
     Findings& findings_;
     std::vector<Selection> selections_{{}};
     std::vector<std::vector<Stream>> streams_;  // by node and output
@@ -215,7 +215,7 @@ class StreamChecker {
 
 }  // namespace
 
-void check_streams(const Table& table, const std::vector<int>& order, Findings& findings) {
+void check_streams(const MemberTable& table, const std::vector<int>& order, Findings& findings) {
     StreamChecker(table, findings).run(order);
 }
 

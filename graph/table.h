@@ -82,7 +82,7 @@ struct FlatNode {
 // Types of ports by name: whether they are streams.
 using PortTypes = std::map<std::string, bool, std::less<>>;
 
-struct Table {
+struct MemberTable {
     const Catalog* catalog = nullptr;
     PortTypes types;
     std::deque<Document> documents;
@@ -96,13 +96,13 @@ struct Table {
 // The passes after Expander, in order.
 
 // Follows every link to the node it comes from; checks ports and types.
-void connect(Table& table, bool for_run, Findings& findings);
+void connect(MemberTable& table, bool for_run, Findings& findings);
 // Nodes after those they read from; empty if there is a cycle.
-std::vector<int> order(const Table& table, Findings& findings);
+std::vector<int> order(const MemberTable& table, Findings& findings);
 // Nodes that are there for nothing.
-void find_unread(const Table& table, Findings& findings);
+void find_unread(const MemberTable& table, Findings& findings);
 // Streams meet only streams of their source and their selection of records.
-void check_streams(const Table& table, const std::vector<int>& order, Findings& findings);
+void check_streams(const MemberTable& table, const std::vector<int>& order, Findings& findings);
 
 // "'write-image' is version 2 ..." or "".
 std::string pin_problem(const NodeDecl& decl, int pin);
