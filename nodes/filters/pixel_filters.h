@@ -76,8 +76,8 @@ struct BlackmanHarrisFilter {
     float radius = 1.5f;
     float evaluate(float d) const {
         if (std::fabs(d) >= radius) return 0;
-        const float s = std::numbers::pi_v<float> * (d / radius + 1);
-        return 0.35875f - 0.48829f * std::cos(s) + 0.14128f * std::cos(2 * s) -
+        const float s = std::numbers::pi_v<float> * (d / radius);
+        return 0.35875f + 0.48829f * std::cos(s) + 0.14128f * std::cos(2 * s) +
                0.01168f * std::cos(3 * s);
     }
 };

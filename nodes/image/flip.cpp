@@ -1,7 +1,6 @@
 #include "image/flip.h"
 
 #include <array>
-#include <cmath>
 
 #include "image/plane.h"
 

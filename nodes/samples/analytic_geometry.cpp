@@ -124,6 +124,28 @@ void meet_sphere(const Primitive& p, const Rays& rays, Meeting& out) {
     }
 }
 
+// Takes over the rays that meet the primitive within its outline; whether there are any.
+bool hit(const Primitive& p, size_t index, Rays& rays, Meeting& meeting) {
+    if (p.sphere())
+        meet_sphere(p, rays, meeting);
+    else if (p.turns())
+        meet_turning(p, rays, meeting);
+    else
+        meet_steady(p, rays, meeting);
+    bool any = false;
+    for (int i = 0; i < rays.count; ++i) {
+        if (meeting.depth[i] == infinity) continue;
+        const float a = meeting.a[i], b = meeting.b[i];
+        if (p.square && (std::fabs(a) > 1 || std::fabs(b) > 1)) continue;
+        if (p.outline && !p.outline(p.paint, a, b)) continue;
+        rays.depth[i] = meeting.depth[i];
+        rays.hit[i] = std::int32_t(index);
+        rays.a[i] = a, rays.b[i] = b;
+        any = true;
+    }
+    return any;
+}
+
 }  // namespace
 
 Tracer::Tracer(const Scene& scene, int width, int height)
@@ -168,29 +190,17 @@ void Tracer::trace(int tile_x, int tile_y, Rays& rays) const {
     for (std::uint32_t k = first_[at]; k < first_[at + 1]; ++k) {
         const std::uint32_t index = list_[k];
         if (nearest_[index] > farthest) break;
-        const Primitive& p = scene_.primitives[index];
-        if (p.sphere())
-            meet_sphere(p, rays, meeting);
-        else if (p.turns())
-            meet_turning(p, rays, meeting);
-        else
-            meet_steady(p, rays, meeting);
-        bool any = false;
-        for (int i = 0; i < rays.count; ++i) {
-            if (meeting.depth[i] == infinity) continue;
-            const float a = meeting.a[i], b = meeting.b[i];
-            if (p.square && (std::fabs(a) > 1 || std::fabs(b) > 1)) continue;
-            if (p.outline && !p.outline(p.paint, a, b)) continue;
-            rays.depth[i] = meeting.depth[i];
-            rays.hit[i] = std::int32_t(index);
-            rays.a[i] = a, rays.b[i] = b;
-            any = true;
-        }
-        if (any) {
-            farthest = 0;
-            for (int i = 0; i < rays.count; ++i) farthest = std::max(farthest, rays.depth[i]);
-        }
+        if (hit(scene_.primitives[index], index, rays, meeting))
+            farthest = *std::max_element(rays.depth, rays.depth + rays.count);
     }
+}
+
+void Tracer::trace_all(Rays& rays) const {
+    std::fill_n(rays.depth, rays.count, infinity);
+    std::fill_n(rays.hit, rays.count, -1);
+    Meeting meeting;
+    for (size_t i = 0; i < scene_.primitives.size(); ++i)
+        hit(scene_.primitives[i], i, rays, meeting);
 }
 
 }  // namespace weft::analytic

@@ -112,6 +112,8 @@ class Tracer {
     Tracer(const Scene& scene, int width, int height);
     // Finds what the rays of a tile hit; fills depth, hit, a, b.
     void trace(int tile_x, int tile_y, Rays& rays) const;
+    // The same without tiles or early outs: what trace() is held to.
+    void trace_all(Rays& rays) const;
 
     const Scene& scene() const { return scene_; }
     int tiles_x() const { return tiles_x_; }
