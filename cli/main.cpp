@@ -91,7 +91,7 @@ int dispatch(int argc, char** argv) {
     on(dot_command, [&] { return cli::dot(dot, mermaid); });
 
     bool json = false;
-    std::string family, type;
+    std::string family, type, picture, reference, error_picture, file;
     CLI::App* nodes_command = app.add_subcommand("nodes", "the node types, by family");
     nodes_command->add_option("family", family, "only this family");
     nodes_command->add_flag("--json", json, "all declarations as JSON");
@@ -103,6 +103,18 @@ int dispatch(int argc, char** argv) {
     on(node_command, [&] { return cli::node(type, json); });
 
     on(app.add_subcommand("schema", "JSON Schema of graph documents"), [] { return cli::schema(); });
+
+    CLI::App* compare_command = app.add_subcommand("compare", "error measures between a picture and a reference");
+    compare_command->add_option("picture", picture, "the picture to judge")->required();
+    compare_command->add_option("reference", reference, "what it should be")->required();
+    compare_command->add_option("--error", error_picture, "write a picture of the error");
+    compare_command->add_flag("--json", json, "the table as JSON");
+    on(compare_command, [&] { return cli::compare(picture, reference, error_picture, json); });
+
+    CLI::App* show_command = app.add_subcommand("show", "what a picture or a sample file holds");
+    show_command->add_option("file", file, "picture or sample file")->required();
+    show_command->add_flag("--json", json, "as JSON");
+    on(show_command, [&] { return cli::show(file, json); });
 
     try {
         app.parse(argc, argv);

@@ -1,6 +1,7 @@
 #include "image/flip.h"
 
 #include <array>
+#include <cmath>
 
 #include "image/plane.h"
 

@@ -35,24 +35,26 @@ double square(double v) {
 
 double ssim(const RgbPixels& a, const RgbPixels& b, Context& ctx) {
     const int width = a.width, height = a.height;
-    Taps taps;
+    // In double: the variances of smooth regions are small differences of large means.
+    TapsOf<double> taps;
     double total = 0;
-    for (int x = -5; x <= 5; ++x) taps.push_back(float(std::exp(-x * x / (2 * 1.5 * 1.5))));
-    for (const float tap : taps) total += tap;
-    for (float& tap : taps) tap = float(tap / total);
+    for (int x = -5; x <= 5; ++x) taps.push_back(std::exp(-x * x / (2 * 1.5 * 1.5)));
+    for (const double tap : taps) total += tap;
+    for (double& tap : taps) tap /= total;
 
-    Plane la(width, height), lb(width, height), aa(width, height), bb(width, height),
+    using Values = PlaneOf<double>;
+    Values la(width, height), lb(width, height), aa(width, height), bb(width, height),
         ab(width, height);
     for (size_t i = 0; i < la.values.size(); ++i) {
         const auto luma = [&](const RgbPixels& p) {
             return 0.2126f * p.values[3 * i] + 0.7152f * p.values[3 * i + 1] +
                    0.0722f * p.values[3 * i + 2];
         };
-        const float u = luma(a), v = luma(b);
+        const double u = luma(a), v = luma(b);
         la.values[i] = u, lb.values[i] = v, aa.values[i] = u * u, bb.values[i] = v * v,
         ab.values[i] = u * v;
     }
-    for (Plane* plane : {&la, &lb, &aa, &bb, &ab}) *plane = filtered(*plane, taps, taps, ctx);
+    for (Values* plane : {&la, &lb, &aa, &bb, &ab}) *plane = filtered(*plane, taps, taps, ctx);
     const int margin_x = width > 10 ? 5 : 0, margin_y = height > 10 ? 5 : 0;
     double sum = 0;
     for (int y = margin_y; y < height - margin_y; ++y)

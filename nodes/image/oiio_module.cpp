@@ -2,6 +2,8 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +86,27 @@ void read_attributes(const OIIO::ImageSpec& spec, Picture& picture) {
             picture.attributes[value.name().string()] = value.get_string();
 }
 
+// A file in memory that only its path in /proc leads to.
+class MemoryFile {
+  public:
+    MemoryFile() : file_(memfd_create("picture", MFD_CLOEXEC)) {
+        if (file_ < 0) throw Error("no memory for a picture");
+    }
+    ~MemoryFile() { close(file_); }
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
+    std::string path() const { return fmt::format("/proc/self/fd/{}", file_); }
+    std::string bytes() const {
+        std::string all(size_t(lseek(file_, 0, SEEK_END)), 0);
+        if (pread(file_, all.data(), all.size(), 0) != ssize_t(all.size()))
+            throw Error("a picture in memory was lost");
+        return all;
+    }
+
+  private:
+    int file_;
+};
+
 class ThroughOpenImageIO final : public OtherFormats {
   public:
     ThroughOpenImageIO() {
@@ -128,8 +151,9 @@ class ThroughOpenImageIO final : public OtherFormats {
         return info;
     }
 
-    void write(const std::string& place, const std::string& extension, const Image& image,
-               const PictureOptions& options, std::vector<std::string>& warnings) const override {
+    std::string encode(const std::string& extension, const Image& image,
+                       const PictureOptions& options,
+                       std::vector<std::string>& warnings) const override {
         auto output = OIIO::ImageOutput::create(extension);
         if (!output) throw Error(fmt::format("this OpenImageIO does not write '.{}'", extension));
         const bool linear = is_scene_linear(image.color_space);
@@ -177,9 +201,17 @@ class ThroughOpenImageIO final : public OtherFormats {
         const auto fail = [&] {
             throw Error(fmt::format("cannot be written: {}", told(output->geterror())));
         };
-        if (!output->open(place, spec)) fail();
+        // To memory first: a full disk makes libjpeg end the whole program. TIFF reads back what it
+        // wrote, which OpenImageIO's memory cannot: it gets a file without a name.
+        const bool reads_back = extension.starts_with("tif");
+        OIIO::Filesystem::IOVecOutput bytes;
+        MemoryFile file;
+        if (!reads_back && !output->set_ioproxy(&bytes)) fail();
+        if (!output->open(reads_back ? file.path() : "picture." + extension, spec)) fail();
         if (!output->write_image(OIIO::TypeDesc::FLOAT, data)) fail();
         if (!output->close()) fail();
+        if (reads_back) return file.bytes();
+        return {bytes.buffer().begin(), bytes.buffer().end()};
     }
 };
 

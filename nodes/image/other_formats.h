@@ -13,9 +13,10 @@ class OtherFormats {
     // extension.
     virtual Image decode(std::string_view bytes, const std::string& file) const = 0;
     virtual PictureInfo info(std::string_view bytes, const std::string& file) const = 0;
-    // Writes to `place`, a file that may have any name, in the format of `extension`.
-    virtual void write(const std::string& place, const std::string& extension, const Image& image,
-                       const PictureOptions& options, std::vector<std::string>& warnings) const = 0;
+    // The file's bytes in the format of `extension`.
+    virtual std::string encode(const std::string& extension, const Image& image,
+                               const PictureOptions& options,
+                               std::vector<std::string>& warnings) const = 0;
 };
 
 // Loads the module once. It is looked for in $WEFT_MODULES, beside Weft's libraries, and in the

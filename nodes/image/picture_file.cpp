@@ -98,9 +98,7 @@ void write_picture(const std::string& path, const Image& image, const PictureOpt
                             "'ocio-display' makes a picture to look at",
                             image.color_space));
         if (extension == "png") return write_file(path, encode_png(image, options, warnings));
-        AtomicFile file(path);
-        other_formats(path).write(file.temporary(), extension, image, options, warnings);
-        file.commit();
+        write_file(path, other_formats(path).encode(extension, image, options, warnings));
     } catch (const Error& e) {
         if (std::string_view(e.what()).find(path) != std::string_view::npos) throw;
         throw Error(fmt::format("{}: {}", path, e.what()));
