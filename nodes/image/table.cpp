@@ -132,6 +132,13 @@ Json Table::json() const {
     return list;
 }
 
+std::string table_as(const Table& table, std::string_view path) {
+    if (path.ends_with(".md")) return table.markdown();
+    if (path.ends_with(".csv")) return table.csv();
+    if (path.ends_with(".json")) return table.json().dump(true) + "\n";
+    return table.text();
+}
+
 size_t Table::bytes() const {
     size_t sum = sizeof *this;
     for (const auto& row : rows) sum += row.size() * sizeof(Cell);

@@ -35,6 +35,9 @@ class Table {
     void count(Items& items) const { items.add("rows", rows.size()); }
 };
 
+// The form that a file's extension asks for: .md, .csv, .json, anything else text.
+std::string table_as(const Table& table, std::string_view path);
+
 WEFT_VALUE_TYPE(Table, "Table", "named columns and rows")
 
 }  // namespace weft

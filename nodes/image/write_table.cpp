@@ -12,26 +12,7 @@ namespace weft {
 namespace {
 
 enum class TableForm { automatic, text, markdown, csv, json };
-
-TableForm form_of(const std::string& path) {
-    if (path.ends_with(".md")) return TableForm::markdown;
-    if (path.ends_with(".csv")) return TableForm::csv;
-    if (path.ends_with(".json")) return TableForm::json;
-    return TableForm::text;
-}
-
-std::string told(const Table& table, TableForm form) {
-    switch (form) {
-        case TableForm::markdown:
-            return table.markdown();
-        case TableForm::csv:
-            return table.csv();
-        case TableForm::json:
-            return table.json().dump(true) + "\n";
-        default:
-            return table.text();
-    }
-}
+constexpr const char* extensions[] = {"", ".txt", ".md", ".csv", ".json"};
 
 struct WriteTable {
     OutputFile file{"-"};
@@ -56,7 +37,7 @@ struct WriteTable {
         }
         if (!title.empty()) all.title = title;
         const std::string text =
-            told(all, form == TableForm::automatic ? form_of(file.path) : form);
+            table_as(all, form == TableForm::automatic ? file.path : extensions[int(form)]);
         if (file.path != "-") return write_file(file.path, text);
         std::fwrite(text.data(), 1, text.size(), stdout);
         if (std::fflush(stdout) != 0) throw Error("standard output cannot be written");
