@@ -1,0 +1,53 @@
+#include "light-field/kernels.h"
+
+namespace weft::light_field {
+
+void collect(const Hierarchy& h, int x0, int y0, int x1, int y1, float reach, Block& block) {
+    block.hierarchy = &h;
+    block.x0 = x0;
+    block.y0 = y0;
+    block.x1 = x1;
+    block.y1 = y1;
+    block.reach = reach;
+    block.group.clear();
+    // The grid that samples are sorted into may be two cells wider on each side (project_kernel.cpp).
+    const float grown = reach + 2 * h.radius;
+    h.collect(float(x0) - grown, float(y0) - grown, float(x1) + grown, float(y1) + grown, block.group);
+
+    constexpr size_t spare = 16;  // vectors read past the end find bounds that are nowhere
+    const size_t n = block.groups = block.group.size();
+    const auto take = [&](const std::vector<float>& from, std::vector<float>& to, float filling) {
+        to.assign(n + spare, filling);
+        for (size_t i = 0; i < n; ++i) to[i] = from[block.group[i]];
+    };
+    const Hierarchy::Groups& g = h.groups;
+    take(g.slope, block.slope, 0);
+    take(g.velocity_x, block.velocity_x, 0);
+    take(g.velocity_y, block.velocity_y, 0);
+    take(g.x_low, block.x_low, 2e30f);
+    take(g.x_high, block.x_high, -2e30f);
+    take(g.y_low, block.y_low, 2e30f);
+    take(g.y_high, block.y_high, -2e30f);
+    block.seen.resize(n + spare);
+
+    float low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f};
+    for (std::uint32_t i : block.group) {
+        if (g.slope_spread[i] > 1e29f) continue;  // not bounded: if one of them is seen, spreads are not known
+        const float middle[3] = {g.slope[i], g.velocity_x[i], g.velocity_y[i]};
+        const float half[3] = {g.slope_spread[i], g.velocity_x_spread[i], g.velocity_y_spread[i]};
+        for (int part = 0; part < 3; ++part) {
+            low[part] = std::min(low[part], middle[part] - half[part]);
+            high[part] = std::max(high[part], middle[part] + half[part]);
+        }
+    }
+    // Half a step to spare at each end for rounding.
+    const auto step = [&](int part) { return high[part] > low[part] ? (high[part] - low[part]) / 254.0f : 0.0f; };
+    block.slope_step = std::max(step(0), 1e-3f);
+    block.velocity_step = std::max({step(1), step(2), 1e-3f});
+    block.slope_low = low[0] - 0.5f * block.slope_step;
+    block.velocity_x_low = low[1] - 0.5f * block.velocity_step;
+    block.velocity_y_low = low[2] - 0.5f * block.velocity_step;
+    block.group.resize(n + spare, 0);
+}
+
+}  // namespace weft::light_field

@@ -1,0 +1,136 @@
+// Finds the samples near each location.
+#include <algorithm>
+#include <cmath>
+#include <hwy/highway.h>
+
+#include "light-field/kernels.h"
+
+namespace weft::light_field::WEFT_ISA {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::ScalableTag<float>;
+using U = hn::RebindToUnsigned<F>;
+using B = hn::Repartition<std::uint8_t, F>;
+constexpr F f;
+constexpr U un;
+constexpr B by;
+using VF = hn::Vec<F>;
+using VU = hn::Vec<U>;
+const size_t lanes = hn::Lanes(f);
+
+std::uint32_t bytes_lowest(VU a) {
+    alignas(64) std::uint32_t values[16];
+    hn::Store(a, un, values);
+    const hn::FixedTag<std::uint32_t, 4> q;
+    const hn::FixedTag<std::uint8_t, 16> qb;
+    auto low = hn::BitCast(qb, hn::Load(q, values));
+    for (size_t i = 4; i < lanes; i += 4) low = hn::Min(low, hn::BitCast(qb, hn::Load(q, values + i)));
+    low = hn::Min(low, hn::BitCast(qb, hn::Shuffle1032(hn::BitCast(q, low))));
+    low = hn::Min(low, hn::BitCast(qb, hn::Shuffle2301(hn::BitCast(q, low))));
+    return hn::GetLane(hn::BitCast(q, low));
+}
+
+struct Ends {
+    float* dx;
+    float* dy;
+    std::uint32_t* sample;
+};
+
+// Room for `more` candidates after the first k.
+Ends room(Candidates& out, size_t k, size_t more) {
+    if (out.dx.size() < k + more) {
+        const size_t size = 2 * (k + more);
+        out.dx.resize(size);
+        out.dy.resize(size);
+        out.sample.resize(size);
+    }
+    return {out.dx.data(), out.dy.data(), out.sample.data()};
+}
+
+void start(Candidates& out, const Locations& at, float radius) {
+    const size_t n = at.size();
+    out.radius = radius;
+    out.offset.resize(n + 1);
+    out.spread.resize(n);
+    out.offset[0] = 0;
+    out.x.assign(at.x.begin(), at.x.begin() + std::ptrdiff_t(n));
+    out.y.assign(at.y.begin(), at.y.begin() + std::ptrdiff_t(n));
+    const std::ptrdiff_t sets = at.shared ? std::ptrdiff_t(n > 0) : std::ptrdiff_t(n);
+    out.u.assign(at.u.begin(), at.u.begin() + sets);
+    out.v.assign(at.v.begin(), at.v.begin() + sets);
+    out.t.assign(at.t.begin(), at.t.begin() + sets);
+    out.shared = at.shared;
+}
+
+// `each`: the spread is taken location by location; else that of the whole projection stands for all.
+template <bool each>
+void gather_all(const Projection& p, const Locations& at, float radius, Candidates& out) {
+    const size_t n = at.size(), pitch = size_t(p.columns) + 1;
+    const float reach = radius * 1.00001f + 1e-5f;  // cells are chosen by rounded numbers
+    const float per_width = 1 / p.cell_width, per_height = 1 / p.cell_height;
+    const VF limit = hn::Set(f, radius * radius);
+    const VU ones = hn::Set(un, 0xffffffffu);
+    size_t k = 0;
+    for (size_t l = 0; l < n; ++l) {
+        const float x = at.x[l], y = at.y[l];
+        const auto column_of = [&](float value) {
+            return size_t(std::clamp(int(std::floor(value * per_width)) - p.column0, 0, p.columns - 1));
+        };
+        const auto row_of = [&](float value) {
+            return size_t(std::clamp(int(std::floor(value * per_height)) - p.row0, 0, p.rows - 1));
+        };
+        const size_t left = column_of(x - reach), right = column_of(x + reach) + 1;
+        const size_t top = row_of(y - reach), bottom = row_of(y + reach) + 1;
+        const std::uint32_t* from = p.start.data() + top * pitch + left;
+        const size_t across = right - left;
+        size_t tested = 0;
+        for (size_t row = 0; row < bottom - top; ++row) tested += from[row * pitch + across] - from[row * pitch] + lanes;
+        const Ends end = room(out, k, tested + lanes);
+        const VF at_x = hn::Set(f, x), at_y = hn::Set(f, y);
+        VU least = ones, most = ones;  // `most` of the complements
+        for (size_t row = top; row < bottom; ++row, from += pitch) {
+            for (std::uint32_t i = from[0]; i < from[across]; i += std::uint32_t(lanes)) {
+                const VF dx = hn::Sub(hn::LoadU(f, &p.x[i]), at_x), dy = hn::Sub(hn::LoadU(f, &p.y[i]), at_y);
+                const auto in = hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit);
+                const auto in_u = hn::RebindMask(un, in);
+                hn::StoreU(hn::Compress(dx, in), f, end.dx + k);
+                hn::StoreU(hn::Compress(dy, in), f, end.dy + k);
+                hn::StoreU(hn::Compress(hn::LoadU(un, &p.sample[i]), in_u), un, end.sample + k);
+                k += hn::CountTrue(f, in);
+                if constexpr (each) {
+                    const VU traits = hn::LoadU(un, &p.traits[i]), out_u = hn::VecFromMask(un, hn::Not(in_u));
+                    least = hn::BitCast(un, hn::Min(hn::BitCast(by, least), hn::BitCast(by, hn::Or(traits, out_u))));
+                    most = hn::BitCast(un, hn::Min(hn::BitCast(by, most),
+                                                   hn::BitCast(by, hn::Or(hn::Xor(traits, ones), out_u))));
+                }
+            }
+        }
+        out.offset[l + 1] = std::uint32_t(k);
+        if constexpr (each) {
+            // Highest minus lowest of each byte: (255 - most) - least. No borrow where there is a candidate.
+            const std::uint32_t low = bytes_lowest(least), high = ~bytes_lowest(most);
+            out.spread[l] = k > out.offset[l] ? high - low : 0;
+        } else {
+            out.spread[l] = p.spread;
+        }
+    }
+}
+
+}  // namespace
+
+void gather(const Projection& p, const Locations& at, float radius, Candidates& out) {
+    out.hierarchy = p.hierarchy;
+    start(out, at, radius);
+    out.slope_step = p.slope_step;
+    out.velocity_step = p.velocity_step;
+    // Spreads that no test takes for two surfaces (half a pixel of slope, one of velocity) need not be
+    // looked at more closely.
+    const bool small = p.spread != 0xffffffffu && float((p.spread & 255) + 1) * p.slope_step < 0.5f &&
+                       float((p.spread >> 8 & 255) + 1) * p.velocity_step < 1.0f &&
+                       float((p.spread >> 16 & 255) + 1) * p.velocity_step < 1.0f;
+    if (small || p.spread == 0xffffffffu) gather_all<false>(p, at, radius, out);
+    else gather_all<true>(p, at, radius, out);
+}
+
+}  // namespace weft::light_field::WEFT_ISA

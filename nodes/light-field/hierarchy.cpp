@@ -1,0 +1,37 @@
+#include "light-field/hierarchy.h"
+
+namespace weft {
+
+size_t Hierarchy::bytes() const {
+    size_t floats = X.size() + Y.size() + W.size() + VX.size() + VY.size() + VW.size() + rgba.size() + order.size();
+    floats += 10 * groups.size();
+    for (const Rects& level : levels) floats += 4 * level.size();
+    return 4 * floats + groups.moves.size();
+}
+
+namespace {
+
+struct Search {
+    const Hierarchy& h;
+    float x0, y0, x1, y1;
+    std::vector<std::uint32_t>& found;
+
+    void visit(size_t level, size_t begin, size_t end) const {
+        const Hierarchy::Rects& rects = h.levels[level];
+        end = std::min(end, rects.size());
+        for (size_t i = begin; i < end; ++i) {
+            if (rects.x_low[i] > x1 || rects.x_high[i] < x0 || rects.y_low[i] > y1 || rects.y_high[i] < y0) continue;
+            if (level == 0) found.push_back(std::uint32_t(i));
+            else visit(level - 1, i * Hierarchy::fan_out, (i + 1) * Hierarchy::fan_out);
+        }
+    }
+};
+
+}  // namespace
+
+void Hierarchy::collect(float x0, float y0, float x1, float y1, std::vector<std::uint32_t>& found) const {
+    if (levels.empty()) return;
+    Search{*this, x0, y0, x1, y1, found}.visit(levels.size() - 1, 0, levels.back().size());
+}
+
+}  // namespace weft

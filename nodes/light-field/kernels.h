@@ -1,0 +1,83 @@
+// The kernels of light-field reconstruction: plain functions over batches, built for each instruction
+// set (WEFT_PICK(gather)(...), runtime/isa.h). What each must give is said by its scalar form in
+// reference_kernels.h; tests hold the two together.
+// Cost: no allocation once buffers have grown.  Threads: each call touches its own outputs only.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "light-field/hierarchy.h"
+#include "light-field/streams.h"
+#include "runtime/isa.h"
+
+namespace weft::light_field {
+
+// The groups that can be seen from a block of pixels at some (u, v, t), with their bounds side by
+// side, and the memory that projecting them takes.
+struct Block {
+    const Hierarchy* hierarchy = nullptr;
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    float reach = 0;
+    size_t groups = 0;
+    std::vector<std::uint32_t> group;  // ascending; this and the bounds are filled up to whole vectors
+    std::vector<float> slope, velocity_x, velocity_y, x_low, x_high, y_low, y_high;
+    // Of the bytes of Projection::traits: lowest value and step.
+    float slope_low = 0, slope_step = 0, velocity_x_low = 0, velocity_y_low = 0, velocity_step = 0;
+
+    std::vector<std::uint32_t> seen;  // groups at hand for one slice
+    std::vector<float> x, y;
+    std::vector<std::uint32_t> cell, sample, traits;
+    std::vector<std::uint32_t> rank;
+
+    bool covers(const Hierarchy& h, int bx0, int by0, int bx1, int by1, float needed) const {
+        return hierarchy == &h && x0 == bx0 && y0 == by0 && x1 == bx1 && y1 == by1 && reach >= needed;
+    }
+};
+void collect(const Hierarchy& hierarchy, int x0, int y0, int x1, int y1, float reach, Block& block);
+
+// Same-surface test (light_field_test.h has it for one pair): trajectories of two samples conflict
+// where they cross within `box` of the location's (u, v), half of it in t, by more than `tolerance`.
+struct SameSurface {
+    float box = 0.0884f;     // lens units; of time half of it
+    float tolerance = 0.1f;  // px
+};
+
+struct ClusterScratch {
+    std::vector<float> depth, x, y, slope_x, slope_y, velocity_x, velocity_y;  // as gathered
+    std::vector<float> sorted;                                                 // six arrays of them
+    std::vector<std::uint32_t> rank, at;
+};
+
+struct CoverageScratch {
+    std::vector<float> x, y, left_x, left_y, right_x, right_y;
+};
+
+struct Tent {
+    float radius = 1;    // px
+    float exponent = 1;  // weight (1 - d / radius)^exponent
+};
+struct FilterScratch {
+    std::vector<float> dx, dy, weight;
+    std::vector<std::uint32_t> sample;
+};
+
+#define WEFT_LIGHT_FIELD_KERNELS(isa)                                                                       \
+    namespace isa {                                                                                         \
+    void project(const Hierarchy& hierarchy, Block& block, float u, float v, float t, Projection& out);     \
+    void gather(const Projection& projection, const Locations& locations, float radius, Candidates& out);   \
+    void gather_each(const Hierarchy& hierarchy, Block& block, const Locations& locations, float radius,    \
+                     Candidates& out);                                                                      \
+    void cluster(const Candidates& candidates, const SameSurface& test, ClusterScratch& scratch,            \
+                 Surfaces& out);                                                                            \
+    void cover(const Candidates& candidates, const Surfaces& surfaces, Visibility& out);                    \
+    void cover_finally(const Candidates& candidates, const Surfaces& surfaces, float radius,                \
+                       CoverageScratch& scratch, Visibility& out);                                          \
+    void filter(const Candidates& candidates, const Surfaces& surfaces, const Visibility& visibility,       \
+                const Tent& tent, FilterScratch& scratch, Colors& out);                                     \
+    }
+WEFT_LIGHT_FIELD_KERNELS(v2)
+WEFT_LIGHT_FIELD_KERNELS(v3)
+WEFT_LIGHT_FIELD_KERNELS(v4)
+
+}  // namespace weft::light_field

@@ -1,0 +1,97 @@
+#include "light-field/points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace weft::light_field {
+namespace {
+
+std::uint64_t mixed(std::uint64_t x) {  // the finalizer of SplitMix (Steele, Lea and Flood 2014)
+    x += 0x9e3779b97f4a7c15ull;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebull;
+    return x ^ x >> 31;
+}
+
+// Columns of a generator matrix from a primitive polynomial and its first directions.
+struct Directions {
+    std::array<std::uint32_t, 32> column{};
+    constexpr Directions(int degree, std::uint32_t polynomial, std::array<std::uint32_t, 4> first) {
+        if (degree == 0) {
+            for (int i = 0; i < 32; ++i) column[size_t(i)] = 1u << (31 - i);
+            return;
+        }
+        for (int i = 0; i < 32; ++i) {
+            if (i < degree) {
+                column[size_t(i)] = first[size_t(i)] << (31 - i);
+                continue;
+            }
+            std::uint32_t value = column[size_t(i - degree)] ^ column[size_t(i - degree)] >> degree;
+            for (int k = 1; k < degree; ++k)
+                if (polynomial >> (degree - 1 - k) & 1) value ^= column[size_t(i - k)];
+            column[size_t(i)] = value;
+        }
+    }
+    std::uint32_t operator()(std::uint32_t i) const {
+        std::uint32_t bits = 0;
+        for (size_t k = 0; i; i >>= 1, ++k)
+            if (i & 1) bits ^= column[k];
+        return bits;
+    }
+};
+// Degree, inner coefficients of the polynomial, first directions (Joe and Kuo 2008, new-joe-kuo-6).
+constexpr Directions sobol[4] = {{0, 0, {}}, {1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}};
+
+// Owen's scrambling: each bit is flipped by a hash of those above it (Laine and Karras 2011; Burley 2020).
+std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
+    std::uint32_t out = 0, above = 1;
+    for (int bit = 31; bit >= 0; --bit) {
+        const std::uint32_t here = bits >> bit & 1;
+        out |= (here ^ (std::uint32_t(mixed(std::uint64_t(above) << 32 | seed)) & 1)) << bit;
+        above = above << 1 | here;
+        if (bit < 8) {  // finer than any float in [0, 1): the rest at random
+            out |= std::uint32_t(mixed(std::uint64_t(above) << 32 | seed)) & 0xff;
+            break;
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+std::array<float, 2> on_lens(float a, float b, const Lens& lens) {
+    if (lens.blades >= 3) {
+        // A blade's triangle, then a point in it: evenly from the middle outwards, evenly along the edge.
+        const float scaled = a * float(lens.blades);
+        const int blade = std::min(int(scaled), lens.blades - 1);
+        const float along = scaled - float(blade), out = std::sqrt(b);
+        const float step = 2 * std::numbers::pi_v<float> / float(lens.blades);
+        const float from = lens.rotation + float(blade) * step, to = from + step;
+        return {out * ((1 - along) * std::cos(from) + along * std::cos(to)),
+                out * ((1 - along) * std::sin(from) + along * std::sin(to))};
+    }
+    const float p = 2 * a - 1, r = 2 * b - 1;
+    if (p == 0 && r == 0) return {0, 0};
+    constexpr float quarter = std::numbers::pi_v<float> / 4;
+    const bool wide = std::abs(p) > std::abs(r);
+    const float radius = wide ? p : r;
+    const float angle = wide ? quarter * (r / p) : 2 * quarter - quarter * (p / r);
+    return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const Lens& lens) {
+    const float a = unit(scrambled(sobol[0](i), std::uint32_t(mixed(seed))));
+    const float b = unit(scrambled(sobol[1](i), std::uint32_t(mixed(seed + 1))));
+    const float shift = unit(std::uint32_t(mixed(seed + 2)));
+    const auto uv = on_lens(a, b, lens);
+    return {uv[0], uv[1], std::min((float(i) + shift) / float(n), 0x1.fffffep-1f)};
+}
+
+std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i) { return {sobol[2](i), sobol[3](i)}; }
+
+std::uint64_t pixel_scramble(std::uint64_t seed, int x, int y) {
+    return mixed(mixed(seed ^ 0x5bf0'3635'd1c2'a96eull) ^ (std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)));
+}
+
+}  // namespace weft::light_field

@@ -1,0 +1,30 @@
+// Points at which to reconstruct: positions in a pixel, on the lens and in the shutter, as functions of
+// whole numbers alone.
+//   lens_point    slice i of n: one (u, v, t), spread evenly over lens and shutter as i goes from 0 to n
+//   pixel_point   where in its pixel a location of slice i lies; evenly spread together with (u, v, t)
+// Source: (u, v) the first two dimensions of Sobol's sequence (Joe and Kuo 2008) and t = i / n, which is
+// a Hammersley set; (x, y) the next two dimensions, xor-scrambled per pixel (Kollig and Keller 2002).
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "samples/samples.h"
+
+namespace weft::light_field {
+
+struct LensPoint {
+    float u, v, t;
+};
+// `seed` scrambles the set; u, v lie in the unit disk, or in a polygon inside it where the lens has blades.
+LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const Lens& lens);
+
+// (a, b) in the unit square to the lens, areas kept (disk: Shirley and Chiu 1997).
+std::array<float, 2> on_lens(float a, float b, const Lens& lens);
+
+// Bits of dimensions 3 and 4 of Sobol's sequence.
+std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i);
+std::uint64_t pixel_scramble(std::uint64_t seed, int x, int y);
+
+inline float unit(std::uint32_t bits) { return float(bits >> 8) * 0x1p-24f; }
+
+}  // namespace weft::light_field
