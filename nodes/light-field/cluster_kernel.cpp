@@ -1,21 +1,12 @@
 // Tells the surfaces among a location's candidates apart.
 #include <algorithm>
 #include <cmath>
-#include <hwy/highway.h>
 
 #include "light-field/kernels.h"
+#include "light-field/simd.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::ScalableTag<float>;
-using I = hn::RebindToSigned<F>;
-constexpr F f;
-constexpr I s;
-using VF = hn::Vec<F>;
-using VI = hn::Vec<I>;
-const size_t lanes = hn::Lanes(f);
 
 struct Sorted {
     float *x, *y, *slope_x, *slope_y, *velocity_x, *velocity_y;
@@ -76,20 +67,20 @@ void look_up(const Candidates& c, size_t l, ClusterScratch& scratch) {
 void rank_by_depth(const float* depth, size_t n, std::uint32_t* rank) {
     for (size_t i = 0; i < n; i += lanes) {
         const VF mine = hn::LoadU(f, depth + i);
-        VI places = hn::Zero(s);  // counted downwards: a true mask is -1
+        VI places = hn::Zero(sn);  // counted downwards: a true mask is -1
         const size_t end = std::min(i + lanes, n);
         for (size_t j = 0; j < i; ++j)
-            places = hn::Add(places, hn::VecFromMask(s, hn::RebindMask(s, hn::Le(hn::Set(f, depth[j]), mine))));
-        const VI me = hn::Iota(s, std::int32_t(i));
+            places = hn::Add(places, hn::VecFromMask(sn, hn::RebindMask(sn, hn::Le(hn::Set(f, depth[j]), mine))));
+        const VI me = hn::Iota(sn, std::int32_t(i));
         for (size_t j = i; j < end; ++j) {
             const VF other = hn::Set(f, depth[j]);
-            const auto before = hn::Gt(me, hn::Set(s, std::int32_t(j)));
-            const auto less = hn::RebindMask(s, hn::Lt(other, mine));
-            const auto equal = hn::And(hn::RebindMask(s, hn::Eq(other, mine)), before);
-            places = hn::Add(places, hn::VecFromMask(s, hn::Or(less, equal)));
+            const auto before = hn::Gt(me, hn::Set(sn, std::int32_t(j)));
+            const auto less = hn::RebindMask(sn, hn::Lt(other, mine));
+            const auto equal = hn::And(hn::RebindMask(sn, hn::Eq(other, mine)), before);
+            places = hn::Add(places, hn::VecFromMask(sn, hn::Or(less, equal)));
         }
         for (size_t j = end; j < n; ++j)
-            places = hn::Add(places, hn::VecFromMask(s, hn::RebindMask(s, hn::Lt(hn::Set(f, depth[j]), mine))));
+            places = hn::Add(places, hn::VecFromMask(sn, hn::RebindMask(sn, hn::Lt(hn::Set(f, depth[j]), mine))));
         hn::StoreU(hn::BitCast(hn::RebindToUnsigned<F>(), hn::Neg(places)), hn::RebindToUnsigned<F>(), rank + i);
     }
 }

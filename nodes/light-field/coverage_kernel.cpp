@@ -1,18 +1,12 @@
 // Decides which surfaces are seen from a location.
 #include <algorithm>
 #include <cmath>
-#include <hwy/highway.h>
 
 #include "light-field/kernels.h"
+#include "light-field/simd.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::ScalableTag<float>;
-constexpr F f;
-using VF = hn::Vec<F>;
-const size_t lanes = hn::Lanes(f);
 
 // Ratios dx / dy of points on the one and on the other side of the horizontal line through the
 // location. It lies in the hull of all where segments across the line pass it on both sides.

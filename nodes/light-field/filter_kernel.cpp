@@ -1,20 +1,12 @@
 // Filters the visible surface: a tent around the location, raised to a power.
 #include <algorithm>
 #include <cmath>
-#include <hwy/highway.h>
 
 #include "light-field/kernels.h"
+#include "light-field/simd.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::ScalableTag<float>;
-using U = hn::RebindToUnsigned<F>;
-constexpr F f;
-constexpr U un;
-using VF = hn::Vec<F>;
-const size_t lanes = hn::Lanes(f);
 using Q = hn::FixedTag<float, 4>;
 constexpr Q q;
 

@@ -1,23 +1,14 @@
 // Finds the samples near each location.
 #include <algorithm>
 #include <cmath>
-#include <hwy/highway.h>
 
 #include "light-field/kernels.h"
+#include "light-field/simd.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::ScalableTag<float>;
-using U = hn::RebindToUnsigned<F>;
 using B = hn::Repartition<std::uint8_t, F>;
-constexpr F f;
-constexpr U un;
 constexpr B by;
-using VF = hn::Vec<F>;
-using VU = hn::Vec<U>;
-const size_t lanes = hn::Lanes(f);
 
 std::uint32_t bytes_lowest(VU a) {
     alignas(64) std::uint32_t values[16];
@@ -93,13 +84,13 @@ void gather_all(const Projection& p, const Locations& at, float radius, Candidat
             for (std::uint32_t i = from[0]; i < from[across]; i += std::uint32_t(lanes)) {
                 const VF dx = hn::Sub(hn::LoadU(f, &p.x[i]), at_x), dy = hn::Sub(hn::LoadU(f, &p.y[i]), at_y);
                 const auto in = hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit);
-                const auto in_u = hn::RebindMask(un, in);
-                hn::StoreU(hn::Compress(dx, in), f, end.dx + k);
-                hn::StoreU(hn::Compress(dy, in), f, end.dy + k);
-                hn::StoreU(hn::Compress(hn::LoadU(un, &p.sample[i]), in_u), un, end.sample + k);
-                k += hn::CountTrue(f, in);
+                const Pack pack(in);
+                pack.store(dx, end.dx + k);
+                pack.store(dy, end.dy + k);
+                pack.store(hn::LoadU(un, &p.sample[i]), end.sample + k);
+                k += pack.count;
                 if constexpr (each) {
-                    const VU traits = hn::LoadU(un, &p.traits[i]), out_u = hn::VecFromMask(un, hn::Not(in_u));
+                    const VU traits = hn::LoadU(un, &p.traits[i]), out_u = hn::VecFromMask(un, hn::RebindMask(un, hn::Not(in)));
                     least = hn::BitCast(un, hn::Min(hn::BitCast(by, least), hn::BitCast(by, hn::Or(traits, out_u))));
                     most = hn::BitCast(un, hn::Min(hn::BitCast(by, most),
                                                    hn::BitCast(by, hn::Or(hn::Xor(traits, ones), out_u))));

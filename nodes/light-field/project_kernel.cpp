@@ -1,24 +1,12 @@
 // Carries a block's samples to one (u, v, t) and sorts them into a grid.
 #include <algorithm>
 #include <cmath>
-#include <hwy/highway.h>
 
 #include "light-field/kernels.h"
+#include "light-field/simd.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::ScalableTag<float>;
-using I = hn::RebindToSigned<F>;
-using U = hn::RebindToUnsigned<F>;
-constexpr F f;
-constexpr I s;
-constexpr U un;
-using VF = hn::Vec<F>;
-using VI = hn::Vec<I>;
-using VU = hn::Vec<U>;
-const size_t lanes = hn::Lanes(f);
 
 // The groups whose bounds at (u, v, t) touch the grid.
 size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, float x0, float x1, float y0,
@@ -34,9 +22,9 @@ size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, 
                                   hn::Ge(hn::Add(hn::LoadU(f, &block.x_high[i]), x), left));
         const auto in_y = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.y_low[i]), y), bottom),
                                   hn::Ge(hn::Add(hn::LoadU(f, &block.y_high[i]), y), top));
-        const auto in = hn::RebindMask(un, hn::And(in_x, in_y));
-        hn::StoreU(hn::Compress(hn::LoadU(un, &block.group[i]), in), un, &block.seen[found]);
-        found += hn::CountTrue(un, in);
+        const Pack pack(hn::And(in_x, in_y));
+        pack.store(hn::LoadU(un, &block.group[i]), &block.seen[found]);
+        found += pack.count;
     }
     return found;
 }
@@ -55,8 +43,8 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
     const VF lens_x = hn::Set(f, u * h.lens.aspect), lens_y = hn::Set(f, v);
     const VF own_x = hn::Set(f, h.lens.c1 * u * h.lens.aspect), own_y = hn::Set(f, h.lens.c1 * v);
     const VF per_width = hn::Set(f, 1.0f / out.cell_width), per_height = hn::Set(f, 1.0f / out.cell_height);
-    const VI column0 = hn::Set(s, out.column0), row0 = hn::Set(s, out.row0), none = hn::Set(s, -1);
-    const VI columns = hn::Set(s, out.columns), rows = hn::Set(s, out.rows), pitch = hn::Set(s, out.columns + 1);
+    const VI column0 = hn::Set(sn, out.column0), row0 = hn::Set(sn, out.row0), none = hn::Set(sn, -1);
+    const VI columns = hn::Set(sn, out.columns), rows = hn::Set(sn, out.rows), pitch = hn::Set(sn, out.columns + 1);
     const Quantity slope_byte(block.slope_low, block.slope_step);
     const Quantity vx_byte(block.velocity_x_low, block.velocity_step), vy_byte(block.velocity_y_low, block.velocity_step);
     const VF most = hn::Set(f, 255.0f);
@@ -80,8 +68,8 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
             const VF slope = hn::MulAdd(c0, inverse, c1);
             const VF x = hn::MulAdd(slope, lens_x, hn::Mul(X, inverse));
             const VF y = hn::MulAdd(slope, lens_y, hn::Mul(Y, inverse));
-            const VI column = hn::Sub(hn::ConvertTo(s, hn::Floor(hn::Mul(x, per_width))), column0);
-            const VI row = hn::Sub(hn::ConvertTo(s, hn::Floor(hn::Mul(y, per_height))), row0);
+            const VI column = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(x, per_width))), column0);
+            const VI row = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(y, per_height))), row0);
             const auto in_x = hn::And(hn::Gt(column, none), hn::Lt(column, columns));
             const auto in_y = hn::And(hn::Gt(row, none), hn::Lt(row, rows));
             const auto in = hn::And(hn::RebindMask(f, hn::And(in_x, in_y)), hn::Gt(W, zero));
@@ -90,7 +78,7 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
             const VF sb = slope_byte(slope);
             lowest[0] = hn::Min(lowest[0], hn::IfThenElse(in, sb, most));
             highest[0] = hn::Max(highest[0], hn::IfThenElse(in, sb, zero));
-            VU traits = hn::BitCast(un, hn::ConvertTo(s, hn::Min(hn::Max(sb, zero), most)));
+            VU traits = hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(sb, zero), most)));
             if constexpr (moving) {
                 const VF vx = hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(x, own_x), VX));
                 const VF vy = hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(y, own_y), VY));
@@ -99,17 +87,17 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
                 highest[1] = hn::Max(highest[1], hn::IfThenElse(in, xb, zero));
                 lowest[2] = hn::Min(lowest[2], hn::IfThenElse(in, yb, most));
                 highest[2] = hn::Max(highest[2], hn::IfThenElse(in, yb, zero));
-                const VU qx = hn::BitCast(un, hn::ConvertTo(s, hn::Min(hn::Max(xb, zero), most)));
-                const VU qy = hn::BitCast(un, hn::ConvertTo(s, hn::Min(hn::Max(yb, zero), most)));
+                const VU qx = hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(xb, zero), most)));
+                const VU qy = hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(yb, zero), most)));
                 traits = hn::Or(traits, hn::Or(hn::ShiftLeft<8>(qx), hn::ShiftLeft<16>(qy)));
             }
-            const auto in_u = hn::RebindMask(un, in);
-            hn::StoreU(hn::Compress(x, in), f, &block.x[n]);
-            hn::StoreU(hn::Compress(y, in), f, &block.y[n]);
-            hn::StoreU(hn::Compress(hn::BitCast(un, cell), in_u), un, &block.cell[n]);
-            hn::StoreU(hn::Compress(traits, in_u), un, &block.traits[n]);
-            hn::StoreU(hn::Compress(hn::Iota(un, std::uint32_t(i)), in_u), un, &block.sample[n]);
-            n += hn::CountTrue(f, in);
+            const Pack pack(in);
+            pack.store(x, &block.x[n]);
+            pack.store(y, &block.y[n]);
+            pack.store(hn::BitCast(un, cell), &block.cell[n]);
+            pack.store(traits, &block.traits[n]);
+            pack.store(hn::Iota(un, std::uint32_t(i)), &block.sample[n]);
+            n += pack.count;
         }
     }
     out.samples = n;

@@ -1,0 +1,99 @@
+// Vectors of the instruction set this file is compiled for, and packing of lanes. To be included by
+// kernels only (weft_kernels); everything lives in the namespace of the instruction set.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <hwy/highway.h>
+
+namespace weft::light_field::WEFT_ISA {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::ScalableTag<float>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+using VU = hn::Vec<U>;
+inline constexpr F f{};
+inline constexpr I sn{};
+inline constexpr U un{};
+inline constexpr size_t lanes = hn::MaxLanes(F());
+static_assert(lanes == 4 || lanes == 8 || lanes == 16);
+
+// The true lanes of a mask, as bits.
+template <class D, class M>
+HWY_INLINE unsigned bits_of(D d, M mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, mask, bytes);
+    std::uint16_t bits;
+    std::memcpy(&bits, bytes, 2);
+    return bits & ((1u << lanes) - 1);
+}
+
+// Lane numbers, a byte each, that bring the lanes of a mask to the front. (Highway's own tables for 4 and
+// 8 lanes are local arrays, which GCC 12 copies to the stack at every use.)
+#if HWY_MAX_BYTES == 32
+struct PackTable {
+    alignas(64) std::array<std::uint64_t, 256> order{};
+    constexpr PackTable() {
+        for (unsigned bits = 0; bits < 256; ++bits) {
+            unsigned to = 0;
+            for (unsigned wanted : {1u, 0u})
+                for (unsigned lane = 0; lane < 8; ++lane)
+                    if ((bits >> lane & 1) == wanted) order[bits] |= std::uint64_t(lane) << (8 * to++);
+        }
+    }
+};
+inline constexpr PackTable pack_table;
+#elif HWY_MAX_BYTES == 16
+struct PackTable {
+    alignas(64) std::array<std::array<std::uint8_t, 16>, 16> order{};
+    constexpr PackTable() {
+        for (unsigned bits = 0; bits < 16; ++bits) {
+            unsigned to = 0;
+            for (unsigned wanted : {1u, 0u})
+                for (unsigned lane = 0; lane < 4; ++lane)
+                    if ((bits >> lane & 1) == wanted)
+                        for (unsigned byte = 0; byte < 4; ++byte) order[bits][to++] = std::uint8_t(4 * lane + byte);
+        }
+    }
+};
+inline constexpr PackTable pack_table;
+#endif
+
+// Brings the lanes of a mask to the front, in order; made once for a mask, used for several vectors.
+class Pack {
+  public:
+    template <class M>
+    HWY_INLINE explicit Pack(M mask) : mask_(hn::RebindMask(un, mask)) {
+        const unsigned bits = bits_of(un, mask_);
+        count = size_t(__builtin_popcount(bits));
+#if HWY_MAX_BYTES == 32
+        const hn::FixedTag<std::uint8_t, 8> bytes;
+        order_ = hn::PromoteTo(un, hn::Load(bytes, reinterpret_cast<const std::uint8_t*>(&pack_table.order[bits])));
+#elif HWY_MAX_BYTES == 16
+        order_ = hn::BitCast(un, hn::Load(hn::Repartition<std::uint8_t, F>(), pack_table.order[bits].data()));
+#endif
+    }
+    HWY_INLINE void store(VU v, std::uint32_t* to) const { hn::StoreU(packed(v), un, to); }
+    HWY_INLINE void store(VF v, float* to) const { hn::StoreU(hn::BitCast(f, packed(hn::BitCast(un, v))), f, to); }
+
+    size_t count;  // true lanes
+
+  private:
+    HWY_INLINE VU packed(VU v) const {
+#if HWY_MAX_BYTES == 32
+        return hn::TableLookupLanes(v, hn::IndicesFromVec(un, order_));
+#elif HWY_MAX_BYTES == 16
+        return hn::TableLookupBytes(v, order_);
+#else
+        return hn::Compress(v, mask_);
+#endif
+    }
+    hn::Mask<U> mask_;
+    VU order_ = hn::Undefined(un);
+};
+
+}  // namespace weft::light_field::WEFT_ISA
