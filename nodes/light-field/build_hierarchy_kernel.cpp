@@ -292,6 +292,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.radius = unsorted.radius;
     h.lens = unsorted.lens;
     h.moving = unsorted.moving;
+    h.color_space = samples.color_space;
     const size_t filled = (n + Hierarchy::group_size - 1) / Hierarchy::group_size * Hierarchy::group_size;
     const auto take = [&](std::vector<float>& from, std::vector<float>& to, float filling) {
         if (from.empty() && n > 0) return;

@@ -169,7 +169,7 @@ void cluster(const Candidates& c, const SameSurface& test, ClusterScratch& scrat
     const auto bound = [&](float way, float step) {
         return std::int32_t(std::clamp(way > 0 ? test.tolerance / (way * step) - 1.0f : 1e9f, -1.0f, 255.0f));
     };
-    const float stretch = std::max(1.0f, c.hierarchy ? c.hierarchy->lens.aspect : 1.0f);
+    const float stretch = std::max(1.0f, c.hierarchy->lens.aspect);
     const std::int32_t slope = bound(test.box * stretch, c.slope_step), velocity = bound(0.5f * test.box, c.velocity_step);
     for (size_t l = 0; l < n; ++l) {
         const std::uint32_t spread = c.spread[l];

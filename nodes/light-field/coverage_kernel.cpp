@@ -140,19 +140,18 @@ void cover_finally(const Candidates& c, const Surfaces& s, float radius, Coverag
     out.last.assign(n, 0);
     out.decision.resize(n);
     out.weight.clear();
-    std::vector<std::uint16_t> sizes;
     for (size_t l = 0; l < n; ++l) {
         const std::uint16_t surfaces = s.count_of[l];
         if (surfaces < 2) {
             out.decision[l] = surfaces ? Decision::one : Decision::undecided;
             continue;
         }
-        sizes.assign(surfaces, 0);
-        for (size_t i = c.offset[l]; i < c.offset[l + 1]; ++i) ++sizes[s.surface[i]];
+        scratch.sizes.assign(surfaces, 0);
+        for (size_t i = c.offset[l]; i < c.offset[l + 1]; ++i) ++scratch.sizes[s.surface[i]];
         std::uint16_t first = 0;
         size_t together = 0;
         for (std::uint16_t at = 0; at < surfaces; ++at) {
-            together += sizes[at];
+            together += scratch.sizes[at];
             const bool last = at + 1 == surfaces;
             if (!last && together < small) continue;
             if (last || surrounds(c, s, l, first, at, radius, scratch)) {

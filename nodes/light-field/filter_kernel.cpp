@@ -53,7 +53,8 @@ void filter(const Candidates& c, const Surfaces& s, const Visibility& visibility
                           ? int(tent.exponent) : 0;
     out.rgba.resize(4 * n);
     out.valid.resize(n);
-    const float* rgba = c.hierarchy ? c.hierarchy->rgba.data() : nullptr;
+    const float* rgba = c.hierarchy->rgba.data();
+    out.color_space = &c.hierarchy->color_space;
     for (size_t l = 0; l < n; ++l) {
         const size_t first = c.offset[l], all = c.of(l);
         float* to = &out.rgba[4 * l];

@@ -124,4 +124,76 @@ void gather(const Projection& p, const Locations& at, float radius, Candidates& 
     else gather_all<true>(p, at, radius, out);
 }
 
+void gather_each(const Hierarchy& h, Block& block, const Locations& at, float radius, Candidates& out) {
+    out.hierarchy = &h;
+    start(out, at, radius);
+    out.slope_step = 0.05f;
+    out.velocity_step = 0.1f;
+    const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f), limit = hn::Set(f, radius * radius);
+    const VF c0 = hn::Set(f, h.lens.c0), c1 = hn::Set(f, h.lens.c1);
+    const VF huge = hn::Set(f, 1e30f), tiny = hn::Set(f, -1e30f);
+    size_t k = 0;
+    for (size_t l = 0; l < at.size(); ++l) {
+        const float u = at.u_of(l), v = at.v_of(l), d = at.t_of(l) - 0.5f;
+        const VF time = hn::Set(f, d), lens_x = hn::Set(f, u * h.lens.aspect), lens_y = hn::Set(f, v);
+        const VF at_x = hn::Set(f, at.x[l]), at_y = hn::Set(f, at.y[l]);
+        const VF left = hn::Set(f, at.x[l] - radius), right = hn::Set(f, at.x[l] + radius);
+        const VF top = hn::Set(f, at.y[l] - radius), bottom = hn::Set(f, at.y[l] + radius);
+        VF low[3] = {huge, huge, huge}, high[3] = {tiny, tiny, tiny};
+        const auto note = [&](int part, VF value, auto in) {
+            low[part] = hn::Min(low[part], hn::IfThenElse(in, value, huge));
+            high[part] = hn::Max(high[part], hn::IfThenElse(in, value, tiny));
+        };
+        for (size_t i = 0; i < block.groups; i += lanes) {
+            const VF slope = hn::LoadU(f, &block.slope[i]);
+            const VF x = hn::MulAdd(slope, lens_x, hn::Mul(hn::LoadU(f, &block.velocity_x[i]), time));
+            const VF y = hn::MulAdd(slope, lens_y, hn::Mul(hn::LoadU(f, &block.velocity_y[i]), time));
+            const auto in_x = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.x_low[i]), x), right),
+                                      hn::Ge(hn::Add(hn::LoadU(f, &block.x_high[i]), x), left));
+            const auto in_y = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.y_low[i]), y), bottom),
+                                      hn::Ge(hn::Add(hn::LoadU(f, &block.y_high[i]), y), top));
+            for (unsigned hits = bits_of(f, hn::And(in_x, in_y)); hits; hits &= hits - 1) {
+                const size_t begin = size_t(block.group[i + size_t(__builtin_ctz(hits))]) * Hierarchy::group_size;
+                const Ends end = room(out, k, Hierarchy::group_size + lanes);
+                for (size_t j = begin; j < begin + Hierarchy::group_size; j += lanes) {
+                    VF X = hn::LoadU(f, &h.X[j]), Y = hn::LoadU(f, &h.Y[j]), W = hn::LoadU(f, &h.W[j]);
+                    VF VX = zero, VY = zero, VW = zero;
+                    if (h.moving) {
+                        VX = hn::LoadU(f, &h.VX[j]);
+                        VY = hn::LoadU(f, &h.VY[j]);
+                        VW = hn::LoadU(f, &h.VW[j]);
+                        X = hn::MulAdd(time, VX, X);
+                        Y = hn::MulAdd(time, VY, Y);
+                        W = hn::MulAdd(time, VW, W);
+                    }
+                    const VF inverse = hn::Div(one, W), c = hn::MulAdd(c0, inverse, c1);
+                    const VF px = hn::MulAdd(c, lens_x, hn::Mul(X, inverse)), py = hn::MulAdd(c, lens_y, hn::Mul(Y, inverse));
+                    const VF dx = hn::Sub(px, at_x), dy = hn::Sub(py, at_y);
+                    const auto in = hn::And(hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit), hn::Gt(W, zero));
+                    const Pack pack(in);
+                    pack.store(dx, end.dx + k);
+                    pack.store(dy, end.dy + k);
+                    pack.store(hn::Iota(un, std::uint32_t(j)), end.sample + k);
+                    k += pack.count;
+                    note(0, c, in);
+                    note(1, hn::Mul(inverse, hn::NegMulAdd(VW, hn::NegMulAdd(c1, lens_x, px), VX)), in);
+                    note(2, hn::Mul(inverse, hn::NegMulAdd(VW, hn::NegMulAdd(c1, lens_y, py), VY)), in);
+                }
+            }
+        }
+        room(out, k, lanes);
+        out.offset[l + 1] = std::uint32_t(k);
+        out.spread[l] = 0;
+        for (int part = 0; part < 3 && k > out.offset[l]; ++part) {
+            const float wide = hn::GetLane(hn::MaxOfLanes(f, high[part])) - hn::GetLane(hn::MinOfLanes(f, low[part]));
+            const float steps = wide / (part == 0 ? out.slope_step : out.velocity_step);
+            if (!(steps < 255)) {
+                out.spread[l] = 0xffffffffu;
+                break;
+            }
+            out.spread[l] |= std::uint32_t(steps) << (8 * part);
+        }
+    }
+}
+
 }  // namespace weft::light_field::WEFT_ISA

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "samples/samples.h"
@@ -24,6 +25,7 @@ class Hierarchy {
     float radius = 2;  // px: the largest empty disk between samples that may be expected; "R" below
     Lens lens;         // slopes; C0 = C1 = 0 for a pinhole buffer
     bool moving = false;
+    std::string color_space = "lin_rec709";
 
     // One value a sample, sorted; the end is filled up to whole groups with samples that are nowhere
     // (W < 0). Position at lens centre and time t: (X + (t - 1/2) VX) / (W + (t - 1/2) VW), y

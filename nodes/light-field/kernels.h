@@ -51,6 +51,8 @@ struct ClusterScratch {
 
 struct CoverageScratch {
     std::vector<float> x, y, left_x, left_y, right_x, right_y;
+    std::vector<std::uint32_t> sizes;
+    Visibility visibility;
 };
 
 struct Tent {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "light-field/hierarchy.h"
@@ -119,6 +120,7 @@ struct Visibility : Batch {
 struct Colors : Batch {
     std::vector<float> rgba;  // 4 a location
     std::vector<std::uint8_t> valid;
+    const std::string* color_space = nullptr;  // of the samples
     void count(Items& items) const { items.add("locations", size()); }
     void describe(FieldVisitor& see) const;
 };

@@ -1,0 +1,34 @@
+// filter-visible: the radiance of each location, filtered from the samples of the surface seen: weight
+// (1 - d / radius)^exponent at screen distance d; where all weights vanish the nearest sample's.
+// Source: Lehtinen et al. 2011, Sec. 3.5 (exponent 1).
+#include "light-field/kernels.h"
+#include "runtime/node.h"
+
+namespace weft {
+namespace {
+using namespace light_field;
+
+struct FilterVisible {
+    float radius_scale = 1, exponent = 1;
+
+    static void declare(Ports<FilterVisible>& node) {
+        node.about("filters the samples of the surface seen with a tent")
+            .in<Candidates>("candidates", "the samples near each location")
+            .in<Surfaces>("surfaces", "their surfaces")
+            .in<Visibility>("visibility", "the surface seen")
+            .out<Colors>("colors", "radiance of each location that is decided")
+            .param("radius-scale", &FilterVisible::radius_scale, {.unit = "R", .min = 0.05, .max = 32, .about = "where the tent ends"})
+            .param("exponent", &FilterVisible::exponent, {.min = 0.25, .max = 16, .about = "the tent is raised to this power: more is narrower"});
+    }
+    using Scratch = FilterScratch;
+    void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
+        const Candidates& c = in.get<Candidates>("candidates");
+        WEFT_PICK(filter)(c, in.get<Surfaces>("surfaces"), in.get<Visibility>("visibility"),
+                          Tent{radius_scale * c.hierarchy->radius, exponent}, scratch, out.get<Colors>("colors"));
+    }
+};
+
+WEFT_NODE(FilterVisible, "filter-visible", 1)
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,121 @@
+// output-locations: where to reconstruct. All locations of a slice share one (u, v, t), and each pixel
+// has its own (x, y) in it; so a stage can carry the samples to that (u, v, t) once for all of them.
+// Source: Lehtinen et al. 2011, Sec. 3.1.  Departure: (u, v, t) are common to all pixels (points.h has
+// the set), not one of 64 patterns a pixel; `sets` gives back some of that variety.
+#include <vector>
+
+#include "light-field/points.h"
+#include "light-field/streams.h"
+#include "runtime/node.h"
+
+namespace weft {
+namespace {
+
+enum class Choice { sampled, fixed };
+enum class Position { spread, center };
+
+struct OutputLocations {
+    int per_pixel = 128, per_slice = 1, sets = 1;
+    std::uint64_t seed = 1;
+    Choice lens = Choice::sampled, time = Choice::sampled;
+    Position position = Position::spread;
+    float u = 0, v = 0, t = 0.5f;
+
+    static void declare(Ports<OutputLocations>& node) {
+        node.about("points (x, y, u, v, t) to reconstruct, slice by slice of one common (u, v, t)")
+            .in<Hierarchy>("hierarchy", "gives the picture's size and the lens")
+            .out<Locations>("locations", "those of one tile, one slice a batch")
+            .param("per-pixel", &OutputLocations::per_pixel, {.min = 1, .max = 1 << 20, .about = "locations a pixel"})
+            .param("per-slice", &OutputLocations::per_slice,
+                   {.min = 1, .max = 64, .about = "locations of a pixel that have one (u, v, t): faster, fewer points on the lens"})
+            .param("sets", &OutputLocations::sets,
+                   {.min = 1, .max = 16,
+                    .about = "sets of (u, v, t) that neighbouring pixels take in turn: noise instead of dots in large highlights, slower"})
+            .param("seed", &OutputLocations::seed, {.about = "of all random choices"})
+            .choice("lens", &OutputLocations::lens, {"sampled", "fixed"}, {.about = "positions over the whole lens, or u, v"})
+            .param("u", &OutputLocations::u, {.min = -1, .max = 1, .about = "lens position where it is fixed"})
+            .param("v", &OutputLocations::v, {.min = -1, .max = 1, .about = "lens position where it is fixed"})
+            .choice("time", &OutputLocations::time, {"sampled", "fixed"}, {.about = "times over the whole shutter, or t"})
+            .param("t", &OutputLocations::t, {.min = 0, .max = 1, .about = "time where it is fixed"})
+            .choice("position", &OutputLocations::position, {"spread", "center"}, {.about = "spread over the pixel, or at its centre"});
+    }
+
+    struct Scratch {
+        std::vector<light_field::LensPoint> points;  // slice by slice, set by set
+        std::vector<std::uint64_t> scrambles;        // of the tile's pixels
+        Tile of;
+        bool filled = false;
+    };
+
+    Extent extent(const Inputs& in) const {
+        const Hierarchy& h = in.get<Hierarchy>("hierarchy");
+        return {h.width, h.height};
+    }
+
+    size_t slices() const { return size_t((per_pixel + per_slice - 1) / per_slice); }
+
+    void prepare(const Hierarchy& h, Scratch& scratch) const {
+        if (!scratch.points.empty()) return;
+        for (size_t i = 0; i < slices(); ++i)
+            for (int set = 0; set < sets; ++set) {
+                light_field::LensPoint p =
+                    light_field::lens_point(seed + 0x9e37u * std::uint64_t(set), std::uint32_t(i), std::uint32_t(slices()), h.lens);
+                if (lens == Choice::fixed) p.u = u, p.v = v;
+                if (time == Choice::fixed) p.t = t;
+                scratch.points.push_back(p);
+            }
+    }
+
+    bool next(const Inputs& in, size_t index, Outputs& out, Scratch& scratch) const {
+        const Hierarchy& h = in.get<Hierarchy>("hierarchy");
+        const Tile& tile = in.tile();
+        const size_t slice = index / size_t(sets);
+        const int set = int(index % size_t(sets));
+        if (slice >= slices()) return false;
+        prepare(h, scratch);
+        if (!scratch.filled || scratch.of.index != tile.index || index == 0) {
+            scratch.scrambles.clear();
+            for (int y = tile.y0; y < tile.y1; ++y)
+                for (int x = tile.x0; x < tile.x1; ++x) scratch.scrambles.push_back(light_field::pixel_scramble(seed, x, y));
+            scratch.of = tile;
+            scratch.filled = true;
+        }
+        Locations& at = out.get<Locations>("locations");
+        const light_field::LensPoint p = scratch.points[index];
+        at.shared = true;
+        at.u.assign(1, p.u);
+        at.v.assign(1, p.v);
+        at.t.assign(1, p.t);
+        at.x0 = tile.x0;
+        at.y0 = tile.y0;
+        at.x1 = tile.x1;
+        at.y1 = tile.y1;
+        at.slice = index;
+        const int first = int(slice) * per_slice, end = std::min(first + per_slice, per_pixel);
+        const size_t most = size_t(tile.width()) * size_t(tile.height()) * size_t(end - first);
+        at.x.resize(most);
+        at.y.resize(most);
+        at.own_pixels.resize(most);
+        size_t n = 0;
+        for (int i = first; i < end; ++i) {
+            const auto pattern = light_field::pixel_pattern(std::uint32_t(i));
+            const std::uint64_t* scramble = scratch.scrambles.data();
+            for (int y = tile.y0; y < tile.y1; ++y)
+                for (int x = tile.x0; x < tile.x1; ++x, ++scramble) {
+                    if (sets > 1 && (x + 3 * y) % sets != set) continue;
+                    const bool spread = position == Position::spread;
+                    at.x[n] = float(x) + (spread ? light_field::unit(pattern[0] ^ std::uint32_t(*scramble)) : 0.5f);
+                    at.y[n] = float(y) + (spread ? light_field::unit(pattern[1] ^ std::uint32_t(*scramble >> 32)) : 0.5f);
+                    at.own_pixels[n++] = std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(x);
+                }
+        }
+        at.pixels = std::span(at.own_pixels).first(n);
+        at.parents = {};
+        return true;
+    }
+};
+
+WEFT_NODE(OutputLocations, "output-locations", 1)
+
+}  // namespace
+}  // namespace weft
