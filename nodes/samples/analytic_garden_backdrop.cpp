@@ -1,11 +1,13 @@
 #include "samples/analytic_garden_backdrop.h"
 
-#include <algorithm>
-
 #include "samples/analytic_paint.h"
 
 namespace weft::analytic {
 namespace {
+
+float length(float x, float y) {
+    return std::sqrt(x * x + y * y);
+}
 
 // Where things stand on the ground that darken it: x, z, radius.
 struct Footprint {
@@ -19,11 +21,12 @@ constexpr Footprint footprints[] = {{-1.42f, 6.15f, 0.52f, 0.75f},
 
 Vec3 tile_color(float x, float z, Vec3 grass) {
     constexpr float size = 0.42f;
-    const float s = x / size, t = z / size, cell_x = std::floor(s), cell_z = std::floor(t);
+    const float s = x / size, t = z / size, cell_x = float(floor_of(s)),
+                cell_z = float(floor_of(t));
     const float u = s - cell_x - 0.5f, v = t - cell_z - 0.5f;
     const Vec3 cream{0.62f, 0.55f, 0.45f}, teal{0.08f, 0.24f, 0.27f}, clay{0.50f, 0.19f, 0.11f};
-    const float au = std::fabs(u), av = std::fabs(v), corner = std::hypot(0.5f - au, 0.5f - av),
-                middle = std::hypot(u, v);
+    const float au = std::fabs(u), av = std::fabs(v), corner = length(0.5f - au, 0.5f - av),
+                middle = length(u, v);
     // Eight-pointed star in the middle, quarter rings at the corners.
     const float star = std::min(std::max(au, av), (au + av) * 0.7071f);
     Vec3 c = lerp(teal, cream, smooth(0.235f, 0.245f, star));
@@ -51,10 +54,10 @@ Surface ground_texture(const Paint& paint, float a, float b, Vec3) {
     Vec3 grass = lerp(Vec3{0.05f, 0.10f, 0.028f}, Vec3{0.22f, 0.27f, 0.065f},
                       0.45f * tuft + 0.3f * fine + 0.25f * broad);
     // Daisies.
-    const float dx = x * 2.3f, dz = z * 1.5f, cx = std::floor(dx), cz = std::floor(dz);
+    const float dx = x * 2.3f, dz = z * 1.5f, cx = float(floor_of(dx)), cz = float(floor_of(dz));
     const float px = 0.2f + 0.6f * noise(cx * 7.3f + 0.5f, cz * 3.1f),
                 pz = 0.2f + 0.6f * noise(cx * 2.9f, cz * 8.7f + 0.5f);
-    const float daisy = std::hypot(dx - cx - px, (dz - cz - pz) * 1.5f);
+    const float daisy = length(dx - cx - px, (dz - cz - pz) * 1.5f);
     if (noise(cx * 5.1f + 9, cz * 4.3f) > 0.55f)
         grass = lerp(grass, Vec3{0.8f, 0.72f, 0.66f}, smooth(0.075f, 0.05f, daisy));
     const float edge = std::fabs(x - path_middle(z)) + 0.10f * (noise(x * 4, z * 4) - 0.5f);

@@ -1,7 +1,5 @@
 #include "samples/analytic_paint.h"
 
-#include <algorithm>
-
 namespace weft::analytic {
 namespace {
 
@@ -85,18 +83,12 @@ Surface wing(const Paint& paint, float x, float y, float depth, float root_y, fl
 }  // namespace
 
 float noise(float x, float y) {
-    const float fx = std::floor(x), fy = std::floor(y);
-    const int ix = int(fx), iy = int(fy);
-    float u = x - fx, v = y - fy;
+    const int ix = floor_of(x), iy = floor_of(y);
+    float u = x - float(ix), v = y - float(iy);
     u = u * u * (3 - 2 * u), v = v * v * (3 - 2 * v);
-    const float top = lattice(ix, iy) + (lattice(ix + 1, iy) - lattice(ix, iy)) * u;
-    const float bottom = lattice(ix, iy + 1) + (lattice(ix + 1, iy + 1) - lattice(ix, iy + 1)) * u;
+    const float a = lattice(ix, iy), b = lattice(ix + 1, iy), c = lattice(ix, iy + 1);
+    const float top = a + (b - a) * u, bottom = c + (lattice(ix + 1, iy + 1) - c) * u;
     return top + (bottom - top) * v;
-}
-
-float smooth(float edge0, float edge1, float x) {
-    const float s = std::clamp((x - edge0) / (edge1 - edge0), 0.0f, 1.0f);
-    return s * s * (3 - 2 * s);
 }
 
 bool leaf_outline(const Paint&, float a, float b) {
@@ -231,7 +223,7 @@ Surface ball_texture(const Paint& paint, float, float, Vec3 n) {
             std::max(mark, smooth(0.035f, 0.02f, std::fabs(to_line(up * 2.5f + zigzag) - 0.12f)));
     } else {  // rosettes in rows
         const float row = up * 4,
-                    x = (fraction(around * 16 + 0.5f * std::floor(row)) - 0.5f) *
+                    x = (fraction(around * 16 + 0.5f * float(floor_of(row))) - 0.5f) *
                         (1 - 0.6f * up * up),
                     y = fraction(row) - 0.5f, r = std::sqrt(x * x + y * y);
         mark = smooth(0.36f, 0.32f, r) * smooth(0.14f, 0.18f, r) + smooth(0.09f, 0.06f, r);

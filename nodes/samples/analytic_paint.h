@@ -2,13 +2,24 @@
 // `paint` holds what one differs from the next by; the comment beside each says which number is
 // what. Textures are sampled at a point, never filtered.
 #pragma once
+#include <algorithm>
+
 #include "samples/analytic_geometry.h"
 
 namespace weft::analytic {
 
+// std::floor() of moderate numbers, without a call on machines that lack the instruction.
+inline int floor_of(float x) {
+    const int i = int(x);
+    return i - int(x < float(i));
+}
 // Smooth noise in [0, 1), features one unit apart, the same on every machine.
 float noise(float x, float y);
-float smooth(float edge0, float edge1, float x);  // 0 below edge0, 1 above edge1
+// 0 below edge0, 1 above edge1.
+inline float smooth(float edge0, float edge1, float x) {
+    const float s = std::clamp((x - edge0) / (edge1 - edge0), 0.0f, 1.0f);
+    return s * s * (3 - 2 * s);
+}
 
 // ---- outlines: on the unit disk unless said otherwise; b = -1 is the root, b = 1 the tip ----
 bool leaf_outline(const Paint&, float a, float b);
