@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "image/image.h"
+#include "image/image_cost.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -21,6 +22,8 @@ struct Exposure {
             .param("gain", &Exposure::gain,
                    {.min = 0, .about = "of red, green and blue (Y: of green)"});
     }
+
+    Cost cost(const Shapes& in) const { return cost_like(in, "image", "image"); }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         Image image = in.get<Image>("image");

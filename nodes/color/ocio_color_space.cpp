@@ -1,5 +1,6 @@
 // ocio-color-space: from one colour space of an OpenColorIO config to another.
 #include "color/apply_color.h"
+#include "image/image_cost.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -19,6 +20,8 @@ struct OcioColorSpace {
             .optional_file("config", &OcioColorSpace::config,
                            {.about = "an OpenColorIO config; empty: $OCIO, or the one Weft ships"});
     }
+
+    Cost cost(const Shapes& in) const { return cost_like(in, "image", "image", 0, 0, 500); }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Image& image = in.get<Image>("image");

@@ -1,6 +1,7 @@
 // ocio-display: a scene-linear picture made for looking at, by a display and a view of an
 // OpenColorIO config. Values outside [0, 1] stay; the file format that cannot hold them clamps.
 #include "color/apply_color.h"
+#include "image/image_cost.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -27,6 +28,8 @@ struct OcioDisplay {
             .optional_file("config", &OcioDisplay::config,
                            {.about = "an OpenColorIO config; empty: $OCIO, or the one Weft ships"});
     }
+
+    Cost cost(const Shapes& in) const { return cost_like(in, "image", "image", 0, 0, 500); }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Image& image = in.get<Image>("image");

@@ -1,5 +1,6 @@
 // ocio-look: one or more looks of an OpenColorIO config; the picture stays in its space.
 #include "color/apply_color.h"
+#include "image/image_cost.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -24,6 +25,8 @@ struct OcioLook {
             .optional_file("config", &OcioLook::config,
                            {.about = "an OpenColorIO config; empty: $OCIO, or the one Weft ships"});
     }
+
+    Cost cost(const Shapes& in) const { return cost_like(in, "image", "image", 0, 0, 500); }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Image& image = in.get<Image>("image");

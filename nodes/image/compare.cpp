@@ -2,6 +2,7 @@
 // errs. Measures: image/measures.h.
 #include <fmt/format.h>
 
+#include "image/image_cost.h"
 #include "image/measures.h"
 #include "runtime/node.h"
 
@@ -23,6 +24,8 @@ struct Compare {
                     {.about = "what the error picture shows"})
             .param("range", &Compare::range, {.min = 1e-6, .about = "error shown brightest"});
     }
+
+    Cost cost(const Shapes& in) const { return cost_like(in, "reference", "error", 3, 34, 1500); }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Image& reference = in.get<Image>("reference");

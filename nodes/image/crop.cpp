@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "image/image.h"
+#include "image/image_cost.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -22,6 +23,16 @@ struct Crop {
                    {.unit = "px", .min = 0, .about = "0: down to the bottom edge"})
             .param("zoom", &Crop::zoom,
                    {.min = 1, .max = 64, .about = "pixels out a pixel in, across and down"});
+    }
+
+    Cost cost(const Shapes& in) const {
+        const Shape from = in["image"];
+        const std::int64_t w = width > 0 ? width : from.width - x,
+                           h = height > 0 ? height : from.height - y;
+        if (from.width < 1) return {};
+        return {{{"image", image_shape(w * zoom, h * zoom, from.channels)}},
+                0,
+                double(w * h * zoom * zoom)};
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "image/image.h"
+#include "image/image_cost.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -21,6 +22,8 @@ struct Difference {
             .param("gain", &Difference::gain, {.about = "factor"})
             .param("absolute", &Difference::absolute, {.about = "without its sign"});
     }
+
+    Cost cost(const Shapes& in) const { return cost_like(in, "image", "image"); }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Image &a = in.get<Image>("image"), &b = in.get<Image>("reference");

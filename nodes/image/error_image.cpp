@@ -1,4 +1,5 @@
 // error-image: where a picture differs from its reference, in false colour or as values.
+#include "image/image_cost.h"
 #include "image/measures.h"
 #include "runtime/node.h"
 
@@ -20,6 +21,10 @@ struct ErrorImage {
             .param("range", &ErrorImage::range, {.min = 1e-6, .about = "error shown brightest"})
             .param("values", &ErrorImage::values,
                    {.about = "the numbers themselves instead of colours"});
+    }
+
+    Cost cost(const Shapes& in) const {
+        return cost_like(in, "reference", "image", values ? 1 : 3, 24, 1000);
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {

@@ -20,6 +20,7 @@
 
 #include "graph/error.h"
 #include "image/color_tags.h"
+#include "image/image_cost.h"
 
 namespace weft {
 namespace {
@@ -123,6 +124,9 @@ void read_attributes(const Imf::Header& header, const std::vector<std::string>& 
     picture.color_space = take("oiio:ColorSpace");
     picture.display = take("weft:display");
     picture.view = take("weft:view");
+    // OpenImageIO's "Linear" says that there is no curve, but not which primaries.
+    if (picture.color_space == "Linear" || picture.color_space == "linear")
+        picture.color_space.clear();
     if (!picture.color_space.empty()) return;
     const auto has = [&](const char* name) {
         return std::find(channels.begin(), channels.end(), name) != channels.end();
@@ -296,6 +300,15 @@ Image decode_exr(std::string_view bytes, const std::string& file, const std::str
                         image.at(x0 - shown.min.x, y - shown.min.y));
         return image;
     });
+}
+
+Shape exr_shape(const std::string& path) {
+    const Imf::MultiPartInputFile parts(path.c_str(), 0);
+    const Imf::Header& header = parts.header(0);
+    const Imath::Box2i shown = header.displayWindow();
+    return image_shape(std::int64_t(shown.max.x) - shown.min.x + 1,
+                       std::int64_t(shown.max.y) - shown.min.y + 1,
+                       std::int64_t(channel_names(header).size()));
 }
 
 PictureInfo exr_info(std::string_view bytes, const std::string& file) {

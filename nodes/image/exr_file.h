@@ -14,6 +14,7 @@ namespace weft {
 std::string encode_exr(const Image& image, const PictureOptions& options,
                        std::vector<std::string>& warnings);
 Image decode_exr(std::string_view bytes, const std::string& file, const std::string& part = {});
+Shape exr_shape(const std::string& path);  // of the first part, by the file's header
 PictureInfo exr_info(std::string_view bytes, const std::string& file);
 
 }  // namespace weft

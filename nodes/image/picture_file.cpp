@@ -7,12 +7,14 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "graph/diagnostic.h"
 #include "graph/error.h"
 #include "image/color_tags.h"
 #include "image/exr_file.h"
+#include "image/image_cost.h"
 #include "image/other_formats.h"
 #include "image/pfm_file.h"
 #include "image/png_file.h"
@@ -129,6 +131,29 @@ Image decode_picture(std::string_view bytes, const std::string& file, const Read
 
 Image read_picture(const std::string& path, const ReadPicture& options) {
     return decode_picture(read_whole_file(path), path, options);
+}
+
+Shape picture_shape(const std::string& path) {
+    try {
+        std::ifstream file(path, std::ios::binary);
+        char head[26] = {};
+        file.read(head, sizeof head);
+        const std::string_view bytes(head, size_t(file.gcount()));
+        if (known_format(bytes) == Known::exr) return exr_shape(path);
+        if (known_format(bytes) != Known::png || bytes.size() < sizeof head) return {};
+        const auto number = [&](size_t place) {
+            std::int64_t value = 0;
+            for (size_t i = 0; i < 4; ++i)
+                value = value << 8 | static_cast<unsigned char>(bytes[place + i]);
+            return value;
+        };
+        constexpr int channels[] = {1, 0, 3, 3, 2, 0, 4};  // by PNG's colour type
+        const auto type = static_cast<unsigned char>(bytes[25]);
+        return type < std::size(channels) ? image_shape(number(16), number(20), channels[type])
+                                          : Shape{};
+    } catch (const std::exception&) {
+        return {};  // read_picture() says what is wrong
+    }
 }
 
 PictureInfo picture_info(const std::string& path) {

@@ -15,7 +15,7 @@
 
 #include "graph/json.h"
 #include "image/image.h"
-#include "runtime/context.h"
+#include "runtime/node.h"
 
 namespace weft {
 
@@ -55,6 +55,8 @@ struct PictureInfo {
 };
 
 PictureInfo picture_info(const std::string& path);
+// Its size in memory by the header of an EXR or PNG; zeros where it cannot be told at once.
+Shape picture_shape(const std::string& path);
 // As lines of text, the graph of its provenance last; as JSON with every attribute.
 std::string to_text(const PictureInfo& info, const std::string& file);
 Json to_json(const PictureInfo& info, const std::string& file);

@@ -1,5 +1,6 @@
 // read-image: a picture from a file, told apart by content: EXR and PNG at once, every other format
 // that OpenImageIO reads through a module that is loaded then.
+#include "image/image_cost.h"
 #include "image/picture_file.h"
 #include "runtime/node.h"
 
@@ -18,6 +19,12 @@ struct ReadImage {
             .param("color-space", &ReadImage::color_space,
                    {.about = "the space its values are in; empty: what the file says"})
             .param("part", &ReadImage::part, {.about = "of a multi-part EXR; empty: the first"});
+    }
+
+    Cost cost(const Shapes&) const {
+        const Shape shape = picture_shape(file.path);
+        return {
+            {{"image", shape}}, shape.bytes, 500.0 * double(shape.width) * double(shape.height)};
     }
 
     void run(const Inputs&, Outputs& out, Context&) const {

@@ -2,6 +2,7 @@
 // display pictures (ocio-display) to PNG, JPEG, TIFF. The file says how it was made: the graph, its
 // inputs and the program's version stand in its header.
 #include "image/color_tags.h"
+#include "image/image_cost.h"
 #include "image/picture_file.h"
 #include "runtime/node.h"
 
@@ -37,6 +38,12 @@ struct WriteImage {
             .param("provenance", &WriteImage::provenance,
                    {.about = "write how the picture was made into it"})
             .writes();
+    }
+
+    // The file is made in memory, at most as large as the picture and once more while it is packed.
+    Cost cost(const Shapes& in) const {
+        const Shape from = in["image"];
+        return {{}, 2 * from.bytes, 500.0 * double(from.width) * double(from.height)};
     }
 
     void run(const Inputs& in, Outputs&, Context& ctx) const {

@@ -2,9 +2,13 @@
 #include "image/exr_file.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <fmt/format.h>
 
@@ -166,6 +170,62 @@ TEST(ExrFile, ReadsTiles) {
     const Image image = read_picture(path);
     EXPECT_EQ(image.at(39, 29)[0], values.back());
     EXPECT_EQ(image.at(17, 3)[0], values[3 * 40 + 17]);
+}
+
+TEST(ExrFile, ReadsAPartByItsName) {
+    TestFolder folder;
+    const std::string path = folder / "parts.exr";
+    std::vector<Imf::Header> headers;
+    for (const char* name : {"beauty", "depth"}) {
+        Imf::Header header(2, 1);
+        header.setName(name);
+        header.setType(Imf::SCANLINEIMAGE);
+        header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+        headers.push_back(header);
+    }
+    {
+        Imf::MultiPartOutputFile file(path.c_str(), headers.data(), 2);
+        for (int part = 0; part < 2; ++part) {
+            float values[2] = {float(part), 7};
+            Imf::FrameBuffer frame;
+            frame.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values), 4, 8));
+            Imf::OutputPart out(file, part);
+            out.setFrameBuffer(frame);
+            out.writePixels(1);
+        }
+    }
+    EXPECT_EQ(read_picture(path).pixels()[0], 0);
+    EXPECT_EQ(read_picture(path, {"depth", ""}).pixels()[0], 1);
+    EXPECT_NE(error_of([&] {
+                  read_picture(path, {"dept", ""});
+              }).find("beauty, depth"),
+              std::string::npos);
+    EXPECT_EQ(picture_info(path).parts, (std::vector<std::string>{"beauty", "depth"}));
+}
+
+TEST(ExrFile, SendsDeepFilesToReadSamples) {
+    TestFolder folder;
+    Imf::Header header(2, 2);
+    header.setType(Imf::DEEPSCANLINE);
+    header.compression() = Imf::ZIPS_COMPRESSION;
+    header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    { Imf::DeepScanLineOutputFile file((folder / "deep.exr").c_str(), header); }
+    EXPECT_NE(error_of([&] { read_picture(folder / "deep.exr"); }).find("read-samples"),
+              std::string::npos);
+    EXPECT_EQ(picture_info(folder / "deep.exr").format, "deep EXR");
+}
+
+TEST(ExrFile, TellsItsSizeBeforeItIsRead) {
+    TestFolder folder;
+    write_picture(folder / "a.exr", odd_values(31, 17), {}, warnings);
+    const Shape shape = picture_shape(folder / "a.exr");
+    EXPECT_EQ(shape.width, 31);
+    EXPECT_EQ(shape.height, 17);
+    EXPECT_EQ(shape.bytes, 31 * 17 * 12);
+    EXPECT_EQ(picture_shape(folder / "none.exr").bytes, 0);
+    Image grey(5, 4, 1);
+    write_picture(folder / "a.png", grey, {}, warnings);
+    EXPECT_EQ(picture_shape(folder / "a.png").bytes, 5 * 4 * 4);
 }
 
 TEST(ExrFile, EveryCutIsAnErrorThatNamesTheFile) {

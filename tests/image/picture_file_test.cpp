@@ -144,6 +144,19 @@ TEST(PictureFile, ModuleWritesEveryFormatItNames) {
     }
 }
 
+// Loading OpenImageIO takes longer than most graphs: it must come with the module only.
+TEST(PictureFile, TheProgramDoesNotLinkOpenImageIO) {
+    const std::string command = std::string("ldd ") + WEFT_BINARY_DIR + "/weft";
+    FILE* pipe = popen(command.c_str(), "r");
+    ASSERT_NE(pipe, nullptr);
+    std::string text;
+    char piece[256];
+    while (std::fgets(piece, sizeof piece, pipe)) text += piece;
+    pclose(pipe);
+    ASSERT_NE(text.find("libOpenEXR"), std::string::npos) << text;
+    EXPECT_EQ(text.find("OpenImageIO"), std::string::npos) << text;
+}
+
 TEST(PictureFile, TiffKeepsFloatsAndItsColourSpace) {
     TestFolder folder;
     Image image = ramp();
