@@ -17,12 +17,12 @@ std::string_view name_of(SampleFormat format);  // "npz", "deep EXR", "TLFR 1.3"
 struct ReadOptions {
     // Channels to read beside the basic ones (below); "*": all that the file holds. A standard name
     // that the file lacks is passed over; another is an error.
-    std::vector<std::string> channels;
+    std::vector<std::string> channels = {};
     double tolerate = 0.01;  // part of the samples that may be unusable
 };
 
 struct WriteOptions {
-    std::optional<SampleFormat> format;  // none: by the file's extension
+    std::optional<SampleFormat> format = {};  // none: by the file's extension
     bool deflate = false;                // npz and deep EXR: pack without loss
     bool text = false;                   // TLFR and ILFR: text instead of binary
 };

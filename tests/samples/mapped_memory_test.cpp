@@ -1,0 +1,44 @@
+// A stored, aligned .npz is used where it lies: reading it is no memory of ours.
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+
+#include "samples/write_npz.h"
+#include "sample_files.h"
+
+namespace weft::testing {
+namespace {
+
+// Anonymous memory of this process, bytes.
+double anonymous_bytes() {
+    std::ifstream status("/proc/self/status");
+    std::string line;
+    while (std::getline(status, line))
+        if (line.starts_with("RssAnon:")) return std::stod(line.substr(8)) * 1024;
+    return -1;
+}
+
+TEST(Memory, a_mapped_buffer_of_240_MB_adds_less_than_16_MB) {
+    const TemporaryFolder folder;
+    if (anonymous_bytes() < 0) GTEST_SKIP() << "no RssAnon in /proc/self/status";
+    struct statvfs space {};
+    if (::statvfs(folder.path().c_str(), &space) != 0 || space.f_bavail * space.f_frsize < 600e6)
+        GTEST_SKIP() << "less than 600 MB free in the temporary folder";
+    {
+        // 12 floats a sample, 5.2 million samples; channels share memory with a plain pattern.
+        const int width = 1024, height = 640, spp = 8;
+        PlainContext ctx;
+        write_npz(small_buffer(width, height, spp), folder / "a.npz", false, ctx);
+    }
+    struct stat info {};
+    ASSERT_EQ(::stat((folder / "a.npz").c_str(), &info), 0);
+    ASSERT_GT(info.st_size, 240e6);
+    PlainContext ctx;
+    const double before = anonymous_bytes();
+    const Samples s = read_sample_file(map_file(folder / "a.npz"), {}, ctx);
+    const double added = anonymous_bytes() - before;
+    EXPECT_EQ(s.size(), size_t(1024) * 640 * 8);
+    EXPECT_LT(added, 16e6);
+}
+
+}  // namespace
+}  // namespace weft::testing
