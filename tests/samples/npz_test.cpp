@@ -91,7 +91,8 @@ TEST(Npz, numbers_at_odd_addresses_are_copied) {
     const TemporaryFolder folder;
     PlainContext ctx;
     write_npz(small_buffer(), folder / "a.npz", false, ctx);
-    const std::string moved = "x" + bytes_in(folder / "a.npz");
+    std::string moved(1, 'x');
+    moved += bytes_in(folder / "a.npz");
     const FileBytes odd{"odd.npz",
                         {reinterpret_cast<const std::uint8_t*>(moved.data()) + 1, moved.size() - 1},
                         nullptr,
