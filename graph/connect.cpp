@@ -29,9 +29,9 @@ void Connector::scope(Scope& s) {
     s.outputs.resize(s.document->outputs.size());
     for (Entity& entity : s.entities)
         if (entity.text && !entity.broken) node(entity);
-    // What a node of unknown type reads is read all the same.
+    // What a broken input, or one that a swap dropped, names is read all the same.
     for (Entity& entity : s.entities)
-        if (entity.text && (entity.broken || entity.swap))
+        if (entity.text)
             for (const InputText& input : entity.text->inputs)
                 for (const LinkText& link : input.links)
                     if (const auto found = s.by_name.find(link.node); found != s.by_name.end())
@@ -93,10 +93,7 @@ void Connector::leaf_input(Entity& entity, const InputText& input, int port) {
                 findings_.error(link.place, "'{}' is {}; '{}' takes {}", link.text(), target.type,
                                 decl.name, decl.type);
             else if (decl.need == Need::required && !entity.bypass)
-                findings_.error(
-                    link.place,
-                    "'{}' must be connected, but the graph's optional input '{}' is left open here",
-                    decl.name, link.node);
+                left_open(entity, link, decl.name);
         } else if (target.state == Target::found) {
             if (target.type == decl.type)
                 flat.inputs[size_t(port)].push_back({target.link, link.place});
@@ -120,17 +117,30 @@ void Connector::graph_input(Entity& entity, const InputText& input, const GraphI
             findings_.error(link.place, "'{}' is {}; '{}' takes {}", link.text(), target.type,
                             declared.name.text, declared.type.text);
         else if (target.state == Target::open && !declared.optional)
-            findings_.error(
-                link.place,
-                "'{}' must be connected, but the graph's optional input '{}' is left open here",
-                declared.name.text, link.node);
+            left_open(entity, link, declared.name.text);
     }
 }
 
+void Connector::left_open(const Entity& entity, const LinkText& link, const std::string& port) {
+    const Entity* around = entity.scope->entity;
+    findings_.error(link.place,
+                    "'{}' must be connected, but the graph's optional input '{}' is left open{}",
+                    port, link.node, around ? fmt::format(" by '{}'", around->name) : "");
+}
+
 void Connector::missing_inputs(const Entity& entity) {
+    std::vector<std::string> known;
+    if (entity.decl)
+        for (const PortDecl& port : entity.decl->inputs) known.push_back(port.name);
+    else
+        for (const GraphInput& in : entity.inner->document->inputs) known.push_back(in.name.text);
+    // A misspelt name has been told already.
     const auto is_given = [&](const std::string& name) {
-        return std::any_of(entity.inputs.begin(), entity.inputs.end(),
-                           [&](const InputText* in) { return in->port.text == name; });
+        return std::any_of(entity.inputs.begin(), entity.inputs.end(), [&](const InputText* in) {
+            return in->port.text == name ||
+                   (std::find(known.begin(), known.end(), in->port.text) == known.end() &&
+                    nearest_name(in->port.text, known) == name);
+        });
     };
     const auto complain = [&](const std::string& name, const std::string& type) {
         if (entity.swap)
@@ -293,9 +303,27 @@ Target Connector::unfitting(Entity& entity, const LinkText& link, std::string_vi
         findings_.error(place, "{} has no output '{}'{}", called(entity), link.port,
                         suggestion(link.port, names));
     else
-        findings_.error(place, "{} has several outputs; expected one of {}", called(entity),
-                        offered);
+        ambiguous(entity, link, wanted, views);
     return broken;
+}
+
+void Connector::ambiguous(const Entity& entity, const LinkText& link, std::string_view wanted,
+                          const std::vector<View>& views) {
+    std::string all, fitting;
+    for (const View& view : views) {
+        const std::string text = fmt::format("'{}.{}' ({})", entity.name, view.name, view.type);
+        all += (all.empty() ? "" : ", ") + text;
+        if (view.type == wanted) fitting += (fitting.empty() ? "" : ", ") + text;
+    }
+    if (!fitting.empty())
+        findings_.error(link.place, "{} has several outputs that fit; expected one of {}",
+                        called(entity), fitting);
+    else if (!wanted.empty())
+        findings_.error(link.place, "no output of {} is {}; it has {}", called(entity), wanted,
+                        all);
+    else
+        findings_.error(link.place, "{} has several outputs; expected one of {}", called(entity),
+                        all);
 }
 
 std::vector<Connector::View> Connector::own_outputs(Entity& entity) {

@@ -26,6 +26,7 @@ class Connector {
     void node(Entity& entity);
     void leaf_input(Entity& entity, const InputText& input, int port);
     void graph_input(Entity& entity, const InputText& input, const GraphInput& declared);
+    void left_open(const Entity& entity, const LinkText& link, const std::string& port);
     void missing_inputs(const Entity& entity);
     void bypassed(Entity& entity);
     void top_outputs(Scope& scope);
@@ -35,6 +36,8 @@ class Connector {
     Target choose(Entity& entity, const LinkText& link, std::string_view wanted, bool tell);
     Target unfitting(Entity& entity, const LinkText& link, std::string_view wanted,
                      const std::vector<View>& views, bool tell);
+    void ambiguous(const Entity& entity, const LinkText& link, std::string_view wanted,
+                   const std::vector<View>& views);
     std::vector<View> outputs_of(Entity& entity);
     std::vector<View> own_outputs(Entity& entity);
     std::string_view first_input_type(const Entity& entity) const;

@@ -146,16 +146,13 @@ int NodeDecl::find_output(std::string_view name) const {
 
 std::string mismatch(const ParamDecl& decl, const Json& value) {
     if (decl.kind == Kind::choice && !decl.choices.empty()) {
-        if (value.is(Json::Kind::text)) {
-            if (std::find(decl.choices.begin(), decl.choices.end(), value.text) !=
-                decl.choices.end())
-                return "";
-            std::string hint;
-            for (const std::string& choice : decl.choices)
-                hint += fmt::format("{}'{}'", hint.empty() ? "" : ", ", choice);
-            return fmt::format("{} is {}; expected {}{}", decl.name, shown(value),
-                               decl.choices.size() > 1 ? "one of " : "", hint);
-        }
+        const bool known =
+            value.is(Json::Kind::text) &&
+            std::find(decl.choices.begin(), decl.choices.end(), value.text) != decl.choices.end();
+        if (known) return "";
+        return fmt::format("{} is {}; expected {}'{}'", decl.name, shown(value),
+                           decl.choices.size() > 1 ? "one of " : "",
+                           fmt::join(decl.choices, "', '"));
     }
     if (!fits_kind(decl.kind, value)) {
         const bool ranged = decl.kind == Kind::number || decl.kind == Kind::integer;

@@ -122,13 +122,13 @@ class Reader {
     }
 
     void parameter(const JsonMember& m) {
-        if (!name(m, "a parameter") ||
-            !expect(m.value, Json::Kind::object, fmt::format("parameter '{}'", m.key)))
-            return;
+        name(m, "a parameter");
+        if (!expect(m.value, Json::Kind::object, fmt::format("parameter '{}'", m.key))) return;
         ParameterText p;
         ParamDecl& decl = p.decl;
         decl.name = m.key;
         p.place = m.key_place;
+        p.used = !name_characters(m.key, false);  // one complaint is enough
         keys(m.value, {"type", "default", "minimum", "maximum", "choices", "unit", "about"});
         if (const Json* about = text(m.value, "about")) decl.about = about->text;
         if (const Json* unit = text(m.value, "unit")) decl.unit = unit->text;
@@ -215,9 +215,8 @@ class Reader {
     }
 
     void input(const JsonMember& m) {
-        if (!name(m, "an input") ||
-            !expect(m.value, Json::Kind::object, fmt::format("input '{}'", m.key)))
-            return;
+        name(m, "an input");
+        if (!expect(m.value, Json::Kind::object, fmt::format("input '{}'", m.key))) return;
         keys(m.value, {"type", "optional", "about"});
         text(m.value, "about");
         GraphInput in;
@@ -232,9 +231,8 @@ class Reader {
     }
 
     void output(const JsonMember& m) {
-        if (!name(m, "an output") ||
-            !expect(m.value, Json::Kind::text, fmt::format("output '{}'", m.key)))
-            return;
+        name(m, "an output");
+        if (!expect(m.value, Json::Kind::text, fmt::format("output '{}'", m.key))) return;
         GraphOutput out;
         out.name = {m.key, m.key_place};
         if (link(m.value, out.link)) document_.outputs.push_back(std::move(out));
@@ -249,11 +247,13 @@ class Reader {
     }
 
     void node(const JsonMember& m) {
-        if (!name(m, "a node", true) ||
-            !expect(m.value, Json::Kind::object, fmt::format("node '{}'", m.key)))
-            return;
         NodeText node;
         node.name = {m.key, m.key_place};
+        name(m, "a node", true);
+        if (!expect(m.value, Json::Kind::object, fmt::format("node '{}'", m.key))) {
+            document_.nodes.push_back(std::move(node));  // links to it lead somewhere
+            return;
+        }
         keys(m.value, {"type", "in", "set", "bypass", "about"});
         text(m.value, "about");
         for (const GraphInput& in : document_.inputs)

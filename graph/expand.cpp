@@ -191,8 +191,8 @@ void Expander::leaf(Entity& entity, const std::string& path, const Word& type, i
     const std::vector<Bound> bound = bind(entity, path, owner);
     for (size_t i = 0; i < bound.size(); ++i) {
         flat.params.push_back(bound[i].known ? bound[i].value : Json());
-        const bool writes = decl->params[i].use == FileUse::write;
-        flat.expressions.push_back(writes ? bound[i].expression : Json());
+        const bool kept = decl->params[i].use == FileUse::write || !bound[i].known;
+        flat.expressions.push_back(kept ? bound[i].expression : Json());
     }
     table_.nodes[size_t(entity.flat)] = std::move(flat);
 }
@@ -283,13 +283,22 @@ std::vector<Bound> Expander::bind(Entity& entity, const std::string& path, const
             override_by(*option, *decl, bound);
             given = true;
         }
-        if (!given && !entity.bypass)
+        if (!given && !entity.bypass && !misspelt(entity, owner, decl->name))
             findings_.error(entity.swap ? entity.swap->place : entity.place,
                             "'{}' needs parameter '{}' ({}): '{}' has no default for it",
                             entity.name, decl->name, kind_text(*decl), owner.name);
         out.push_back(std::move(bound));
     }
     return out;
+}
+
+// Whether some unknown setting was meant for this parameter: one complaint is enough.
+bool Expander::misspelt(const Entity& entity, const Owner& owner, const std::string& param) const {
+    return std::any_of(entity.text->settings.begin(), entity.text->settings.end(),
+                       [&](const Setting& setting) {
+                           return !owner.find(setting.name.text) &&
+                                  nearest_name(setting.name.text, owner.names()) == param;
+                       });
 }
 
 // The value a document gives, with parameters of its graph filled in.

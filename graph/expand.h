@@ -42,6 +42,7 @@ class Expander {
 
     std::vector<Bound> bind(Entity& entity, const std::string& path, const Owner& owner);
     const Setting* setting_of(const Entity& entity, std::string_view name) const;
+    bool misspelt(const Entity& entity, const Owner& owner, const std::string& param) const;
     Bound from_text(Entity& entity, const std::string& path, const ParamDecl& decl,
                     const Setting& setting);
     void override_by(const SetOption& option, const ParamDecl& decl, Bound& bound);

@@ -21,7 +21,9 @@ struct GraphNode {
     std::string name;                        // "pass-1/cluster" inside a sub-graph
     const NodeDecl* type = nullptr;
     std::vector<Json> params;                // as type->params, defaults filled in; null: not set
-    std::vector<Json> expressions;           // as params: text with top-level "$name"s kept, for files written
+    // As params: text with the top document's "$name"s kept, for files written and for what has no
+    // value yet; null elsewhere.
+    std::vector<Json> expressions;
     std::vector<std::vector<Link>> inputs;   // as type->inputs
     Place place;                             // its name in the document
 };

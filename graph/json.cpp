@@ -271,6 +271,7 @@ class TreeBuilder {
         }
         return i;
     }
+    size_t end_of_last() const { return end_of_last_; }
     const Json* innermost() const { return open_.empty() ? nullptr : &open_.back().value; }
     Json take() {
         while (!open_.empty()) fold();
@@ -381,7 +382,7 @@ Diagnostic syntax_error(const SourcePtr& source, const TreeBuilder& tree,
                 fmt::format("the text ends here, but the '{}' of line {} is not closed; "
                             "expected '{}'",
                             list ? '[' : '{', line_column(open->place).line, list ? ']' : '}'),
-                text.size(), text.size());
+                tree.end_of_last() - 1, tree.end_of_last());
         }
     }
     std::string message;

@@ -135,7 +135,12 @@ class StreamChecker {
         }
         if (other.per_batch || base.per_batch) return;
         if (other.port->branch) {
-            if (!selected_from(other.stream.selection, base.stream.selection))
+            if (other.stream.selection == base.stream.selection)
+                findings_.error(
+                    other.link->place,
+                    "'{}' holds the same records as '{}' ({}); '{}' takes a selection of them",
+                    name, base.port->name, records(base.stream), other.port->name);
+            else if (!selected_from(other.stream.selection, base.stream.selection))
                 findings_.error(other.link->place,
                                 "'{}' holds {}, which is no selection from '{}' ({}); '{}' takes a "
                                 "branch of it",

@@ -1,13 +1,15 @@
 #include "graph/substitution.h"
 
 #include <algorithm>
+#include <cctype>
 
 namespace weft {
 namespace {
 
+// Wider than what a parameter can be called, so that "$Width" gets to hear of 'width'.
 bool is_name(std::string_view text) {
     return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+        return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_';
     });
 }
 

@@ -125,13 +125,13 @@ TEST(json, syntax_errors_say_where_and_what_was_expected) {
               "t.json:1:7 this text is not closed before the end of the line; expected '\"'");
     EXPECT_EQ(first_finding("{\"a\": \"b"), "t.json:1:7 this text is not closed; expected '\"'");
     EXPECT_EQ(first_finding("{\n  \"a\": [1,\n"),
-              "t.json:3:1 the text ends here, but the '[' of line 2 is not closed; expected ']'");
+              "t.json:2:9 the text ends here, but the '[' of line 2 is not closed; expected ']'");
     EXPECT_EQ(first_finding("[1e999]"), "t.json:1:2 this number is too large");
     EXPECT_EQ(
         first_finding("[nope]"),
         "t.json:1:2 expected a value: \"text\", number, true, false, null, [list] or {object}");
     EXPECT_EQ(first_finding("[/* x"),
-              "t.json:1:6 the text ends here, but the '[' of line 1 is not closed; expected ']'");
+              "t.json:1:1 the text ends here, but the '[' of line 1 is not closed; expected ']'");
     EXPECT_EQ(first_finding(std::string("[1]\0", 4)),
               "t.json:1:4 nothing may follow the end of the document");
     EXPECT_EQ(first_finding("[\"\xff\"]"),
