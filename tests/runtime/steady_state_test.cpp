@@ -10,6 +10,9 @@ namespace {
 thread_local std::uint64_t allocations = 0;
 }
 
+// GCC sees malloc behind our new and free behind our delete, and warns where it inlines one of them.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
 void* operator new(size_t size) {
     ++allocations;
     if (void* memory = std::malloc(size ? size : 1)) return memory;
