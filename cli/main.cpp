@@ -135,6 +135,9 @@ int main(int argc, char** argv) {
     } catch (const weft::UsageError& error) {
         weft::cli::complain(error.what());
         return weft::cli::misused;
+    } catch (const weft::PlacedError& error) {
+        weft::cli::print_findings({{weft::Diagnostic::Level::error, error.what(), error.place}});
+        return weft::cli::failed;
     } catch (const std::bad_alloc&) {
         weft::cli::complain("ran out of memory");
         return weft::cli::failed;

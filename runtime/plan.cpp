@@ -98,6 +98,19 @@ void sort_tasks(std::vector<Task>& tasks) {
     tasks = std::move(sorted);
 }
 
+// A stream has the size of the picture that what comes in is about, unless its node says another.
+void pass_on_size(const NodeDecl& type, const Shapes& in, std::vector<Shape>& out) {
+    for (size_t p = 0; p < out.size(); ++p) {
+        if (!type.outputs[p].stream || out[p].width > 0) continue;
+        for (const auto& [name, shape] : in.ports)
+            if (shape.width > 0) {
+                out[p].width = shape.width;
+                out[p].height = shape.height;
+                break;
+            }
+    }
+}
+
 void estimate(Plan& plan, int threads) {
     const Graph& graph = *plan.graph;
     plan.shapes.resize(graph.nodes.size());
@@ -106,7 +119,7 @@ void estimate(Plan& plan, int threads) {
         const GraphNode& node = graph.nodes[n];
         plan.shapes[n].resize(node.type->outputs.size());
         if (!plan.instances[n]) continue;
-        Shapes in;
+        Shapes in;  // of unconnected inputs: nothing
         for (size_t i = 0; i < node.inputs.size(); ++i)
             for (const Link& link : node.inputs[i])
                 in.ports.emplace_back(node.type->inputs[i].name, plan.shapes[size_t(link.node)][size_t(link.port)]);
@@ -115,8 +128,9 @@ void estimate(Plan& plan, int threads) {
             for (const auto& [port, shape] : cost.outputs)
                 if (const int index = node.type->find_output(port); index >= 0) plan.shapes[n][size_t(index)] = shape;
             scratch[n] = cost.scratch_bytes;
+            pass_on_size(*node.type, in, plan.shapes[n]);
         } catch (const Error& error) {
-            throw Error(fmt::format("{}: error: '{}' ({}): {}", where(node.place), node.name, node.type->type, error.what()));
+            throw PlacedError(node.place, fmt::format("'{}' ({}): {}", node.name, node.type->type, error.what()));
         }
     }
     double live = 0;

@@ -56,6 +56,11 @@ struct Plan {
 struct UsageError : Error {
     using Error::Error;
 };
+// What a node said that makes the plan impossible, with the node's place in the document.
+struct PlacedError : Error {
+    PlacedError(Place at, const std::string& message) : Error(message), place(std::move(at)) {}
+    Place place;
+};
 Plan make_plan(const Graph& graph, const PlanOptions& options = {});
 
 // `weft plan`: tasks, segments, lifetimes, bytes, for reading; and the same for programs.

@@ -3,6 +3,7 @@
 #include "runtime/node.h"
 #include "samples/analytic_scene.h"
 #include "samples/sample_file.h"
+#include "samples/sample_shape.h"
 #include "samples/samples.h"
 
 namespace weft {
@@ -29,8 +30,18 @@ struct ReadSamples {
                              "position or time before it is an error"});
     }
 
+    static constexpr std::string_view built_in = "analytic:";
+
+    Cost cost(const Shapes&) const {
+        if (file.path.starts_with(built_in)) {
+            const AnalyticOptions options;
+            const double samples = double(options.width) * options.height * options.spp;
+            return {{{"samples", {options.width, options.height, 0, std::int64_t(samples), 96 * samples}}}};
+        }
+        return {{{"samples", sample_shape(map_file(file.path), {channels, tolerate})}}};
+    }
+
     void run(const Inputs&, Outputs& out, Context& ctx) const {
-        constexpr std::string_view built_in = "analytic:";
         if (file.path.starts_with(built_in)) {
             out.set("samples", analytic_samples(file.path.substr(built_in.size()), {}, ctx));
             return;
