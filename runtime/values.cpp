@@ -2,6 +2,17 @@
 
 namespace weft {
 
+namespace {
+
+// What a node's document calls another: 'tlfr' for "tlfr/stages/picture", as seen from "compare".
+std::string name_seen_from(const std::string& node, const std::string& other) {
+    const size_t scope = node.rfind('/') == std::string::npos ? 0 : node.rfind('/') + 1;
+    if (other.compare(0, scope, node, 0, scope) != 0) return other;  // from outside the sub-graph
+    return other.substr(scope, other.find('/', scope) - scope);
+}
+
+}  // namespace
+
 Values::Values(const Plan& plan) : plan_(plan) {
     for (size_t n = 0; n < plan.graph->nodes.size(); ++n) {
         std::deque<Entry>& outputs = entries_.emplace_back();
@@ -38,7 +49,7 @@ Inputs Values::inputs_of(int node) const {
         std::vector<std::string> names;
         for (const Link& link : n.inputs[p]) {
             if (!port.stream) slot.more.push_back(get(link));
-            names.push_back(plan_.graph->nodes[size_t(link.node)].name);
+            names.push_back(name_seen_from(n.name, plan_.graph->nodes[size_t(link.node)].name));
         }
         if (!slot.more.empty()) slot.object = slot.more.front();
         in.slots.push_back(std::move(slot));

@@ -18,18 +18,21 @@ namespace {
 struct Accumulate {
     FilterKind filter = FilterKind::box;
     float width = 0, sigma = 0.5f, b = 1.0f / 3, c = 1.0f / 3, tau = 3;
+    bool alpha = false;
 
     static void declare(Ports<Accumulate>& node) {
         node.about("a picture from the radiance of its locations")
             .in<Colors>("colors", "radiance of each location")
             .in<Locations>("locations", "where they lie; needed by filters other than the box of one pixel", Need::optional)
-            .out<Image>("image", "R G B, and A where it is not 1 everywhere; 0 where a pixel has no location")
+            .out<Image>("image", "R G B, and A if asked for; 0 where a pixel has no location")
             .choice("filter", &Accumulate::filter, filter_names(), {.about = "pixel filter"})
             .param("width", &Accumulate::width, {.unit = "px", .min = 0, .max = 16, .about = "of the filter; 0: its own"})
             .param("sigma", &Accumulate::sigma, {.unit = "px", .min = 0.05, .max = 8, .about = "of the Gaussian"})
             .param("b", &Accumulate::b, {.min = 0, .max = 1, .about = "of the Mitchell filter"})
             .param("c", &Accumulate::c, {.min = 0, .max = 1, .about = "of the Mitchell filter"})
-            .param("tau", &Accumulate::tau, {.unit = "px", .min = 0.5, .max = 16, .about = "where the Lanczos window ends"});
+            .param("tau", &Accumulate::tau, {.unit = "px", .min = 0.5, .max = 16, .about = "where the Lanczos window ends"})
+            .param("alpha", &Accumulate::alpha,
+                   {.about = "keep A, the part covered by anything but background: for compositing. Without it the background is part of the picture"});
     }
 
     static constexpr size_t values = 5;  // r g b a weight
@@ -116,7 +119,7 @@ struct Accumulate {
     void close(const Inputs&, Result& result, Outputs& out, Context& ctx) const {
         const int w = result.extent.width, h = result.extent.height, r = result.around, side = 2 * r + 1;
         Image image(w, h, 4);
-        std::atomic<size_t> empty = 0, translucent = 0;
+        std::atomic<size_t> empty = 0;
         ctx.parallel_rows(h, [&](Rows rows) {
             for (int y = rows.begin; y < rows.end; ++y)
                 for (int x = 0; x < w; ++x) {
@@ -134,12 +137,11 @@ struct Accumulate {
                         continue;
                     }
                     for (size_t k = 0; k < 4; ++k) to[k] = float(sum[k] / sum[4]);
-                    if (std::abs(to[3] - 1) > 1e-5f) ++translucent;
                 }
         });
         if (empty > 0 && size_t(w) * size_t(h) > 0)
             ctx.warn(fmt::format("{} of {} pixels have no location with a colour and are black", size_t(empty), size_t(w) * size_t(h)));
-        if (translucent == 0 && empty == 0) {
+        if (!alpha) {
             Image opaque(w, h, 3);
             for (int y = 0; y < h; ++y)
                 for (int x = 0; x < w; ++x) std::copy_n(image.at(x, y), 3, opaque.at(x, y));
