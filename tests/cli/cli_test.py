@@ -192,15 +192,30 @@ class Cli(unittest.TestCase):
         done = self.run_ok("run", "one.exr", "--quiet", "--set", "out=two.exr")
         self.assertIn("small.npz: has changed since one.exr was made", done.stderr)
 
-    def test_stages_are_swapped_bypassed_and_set(self):
-        samples = self.small_samples()
-        common = ["--quiet", "--set", f"samples={samples}", "--set", "locations=4"]
-        self.run_ok("run", GRAPHS / "tlfr.json", *common, "--set", "out=a.exr")
-        self.run_ok("run", GRAPHS / "tlfr.json", *common, "--set", "out=b.exr", "--swap", "surfaces=depth-gap-cluster")
-        self.assertNotEqual((self.path / "a.exr").read_bytes(), (self.path / "b.exr").read_bytes())
+    def test_every_stage_can_be_swapped(self):
+        common = ["--quiet", "--set", f"samples={self.small_samples()}", "--set", "locations=4"]
+        self.run_ok("run", GRAPHS / "tlfr.json", *common, "--set", "out=as-it-is.exr")
+        for swap in ("hierarchy=grid-hierarchy", "locations=random-locations", "reproject=reproject-nearest", "surfaces=depth-gap-cluster",
+                     "coverage=hull-coverage", "coverage=nearest-surface", "filter=gaussian-visible", "filter=nearest-visible",
+                     "picture=robust-accumulate"):
+            self.run_ok("run", GRAPHS / "tlfr.json", *common, "--swap", swap, "--set", "out=swapped.exr")
+            self.assertNotEqual((self.path / "as-it-is.exr").read_bytes(), (self.path / "swapped.exr").read_bytes(), swap)
+            table = json.loads(self.run_ok("compare", "swapped.exr", "as-it-is.exr", "--json").stdout)
+            self.assertLess(table[0]["rmse"], 1, swap)
         done = weft("run", GRAPHS / "tlfr.json", *common, "--set", "out=c.exr", "--swap", "surfaces=depth-gap-clutser", cwd=self.path)
         self.assertEqual(done.returncode, 2)
         self.assertIn("did you mean 'depth-gap-cluster'?", done.stderr)
+
+    def test_a_node_is_bypassed(self):
+        samples = self.small_samples()
+        arguments = ["run", GRAPHS / "box.json", "--quiet", "--set", f"samples={samples}", "--set", "display.view=Un-tone-mapped"]
+        self.run_ok(*arguments, "--set", "out=a.exr")
+        self.run_ok(*arguments, "--set", "out=b.exr", "--bypass", "display")
+        self.assertEqual((self.path / "a.exr").read_bytes()[:4], (self.path / "b.exr").read_bytes()[:4])
+        self.assertNotEqual((self.path / "a.png").read_bytes(), (self.path / "b.png").read_bytes())
+        done = weft("run", GRAPHS / "box.json", "--bypass", "filter", cwd=self.path)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("filter", done.stderr)
 
     def test_pictures_are_compared(self):
         samples = self.small_samples()
