@@ -116,6 +116,10 @@ struct Sheet {
         sheet.color_space = images.front()->color_space;
         sheet.display = images.front()->display;
         sheet.view = images.front()->view;
+        for (const Image* image : images)  // which colour config made them
+            if (const auto config = image->attributes.find("weft:ocio");
+                config != image->attributes.end())
+                sheet.attributes.insert(*config);
         for (size_t i = 0; i < sheet.pixels().size(); ++i) sheet.pixels()[i] = paper[i % 3];
         if (head > 0) draw_text(sheet, gap, gap, title, text_size, ink);
         for (size_t i = 0; i < images.size(); ++i) {
