@@ -17,6 +17,7 @@
 #include "light-field/build_hierarchy_kernel.h"
 #include "light-field/kernels.h"
 #include "light-field/points.h"
+#include "light-field/smooth_radiance_kernel.h"
 #include "samples/sample_file.h"
 
 namespace {
@@ -35,6 +36,8 @@ struct Options {
     int block = 32, sets = 1, repeat = 1;
     float exponent = 2, radius = 1, retry = 2, filter_radius = 1;
     SameSurface test;
+    bool smooth = false;
+    float widest = 4.5f, caution = 0.5f;
     bool stages = true;  // time each kernel
 };
 
@@ -207,12 +210,22 @@ int main(int argc, char** argv) {
         else if (key == "--tolerance") o.test.tolerance = float(value);
         else if (key == "--box") o.test.box = float(value);
         else if (key == "--stages") o.stages = value != 0;
+        else if (key == "--smooth") o.smooth = value != 0;
+        else if (key == "--widest") o.widest = float(value);
+        else if (key == "--caution") o.caution = float(value);
         else if (key == "--isa") pin_isa(Isa(int(value)));
         else return fmt::print(stderr, "unknown option {}\n", key), 2;
     }
     if (files.empty()) return fmt::print(stderr, "usage: bench_tlfr_loop SAMPLES.npz [REFERENCE.exr] [options]\n"), 2;
     PlainContext ctx;
-    const Samples samples = read_sample_file(map_file(files[0]), ReadOptions(), ctx);
+    Samples samples = read_sample_file(map_file(files[0]), ReadOptions(), ctx);
+    double smooth = cpu_ns();
+    if (o.smooth) {
+        Smoothing by;
+        by.caution = o.caution;
+        samples.add("rgb", 3, smooth_radiance(samples, dispersion_radius(samples.mean_spp()), o.widest, by, ctx));
+    }
+    smooth = cpu_ns() - smooth;
     double build = cpu_ns();
     const Hierarchy h = build_hierarchy(samples, Arrangement::layers, 1, ctx);
     build = cpu_ns() - build;
@@ -225,8 +238,8 @@ int main(int argc, char** argv) {
         if (i + 1 < o.repeat) continue;
         const double n = double(loop.locations);
         std::sort(took.begin(), took.end());
-        fmt::print("{:.1f} ns/location (median; {:.1f} to {:.1f}), build {:.1f} ns/sample;", took[took.size() / 2],
-                   took.front(), took.back(), build / double(h.size()));
+        fmt::print("{:.1f} ns/location (median; {:.1f} to {:.1f}), build {:.1f} smooth {:.1f} ns/sample;", took[took.size() / 2],
+                   took.front(), took.back(), build / double(h.size()), smooth / double(h.size()));
         if (o.stages)
             for (size_t k = 0; k < kernels; ++k) fmt::print(" {} {:.1f}", names[k], loop.ns[k] / n);
         fmt::print("; candidates {:.1f} projected {:.1f} slow {:.2f}% retried {:.2f}% empty {:.3f}%", double(loop.candidates) / n,

@@ -15,7 +15,7 @@ struct HierarchyNode {
             .template in<Samples>("samples", "xy, z and rgb; uv with a lens, t and motion where it has them")
             .template out<Hierarchy>("hierarchy", "the samples as seen from the lens centre at half time, sorted")
             .param("radius-scale", &HierarchyNode::radius_scale,
-                   {.min = 0.05, .max = 20, .about = "of the radius R of the gaps expected between samples, 2 / sqrt(spp) px"});
+                   {.min = 0.05, .max = 20, .about = "of the radius R of the gaps expected between samples, 2.2 / sqrt(spp + 0.2) px"});
     }
     static void declare(Ports<HierarchyNode>& node) {
         declare_with(node, arrangement == light_field::Arrangement::layers

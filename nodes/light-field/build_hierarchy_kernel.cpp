@@ -10,7 +10,7 @@
 namespace weft::light_field {
 
 float dispersion_radius(double samples_per_pixel) {
-    return float(2.0 / std::sqrt(std::max(samples_per_pixel, 1e-3)));
+    return float(2.2 / std::sqrt(std::max(samples_per_pixel, 0.0) + 0.2));
 }
 
 Recentred recentred(const Samples& samples, size_t i) {

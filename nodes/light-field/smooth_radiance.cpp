@@ -1,0 +1,160 @@
+// smooth-radiance: less noise in a sample buffer's radiance, without blurring what is not noise
+// (smooth_radiance_kernel.h says how). Only rgb changes; a buffer without noise comes out as it went in.
+#include "light-field/smooth_radiance_kernel.h"
+
+#include <atomic>
+#include <cmath>
+
+#include "light-field/build_hierarchy_kernel.h"
+#include "runtime/node.h"
+
+namespace weft {
+namespace light_field {
+
+SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
+    const size_t n = samples.size();
+    const Lens lens = samples.has_lens() ? *samples.lens : Lens{};
+    SampleField s;
+    s.size = n;
+    // Positions may lie outside the picture by what lens and motion move them; beyond a quarter they share cells.
+    const float border = 0.25f * float(std::max(samples.width, samples.height));
+    s.cell = cell;
+    s.x0 = s.y0 = -border;
+    s.columns = int((float(samples.width) + 2 * border) / cell) + 1;
+    s.rows = int((float(samples.height) + 2 * border) / cell) + 1;
+    std::vector<float> x(n), y(n);
+    std::vector<std::uint64_t> keys(n);
+    const auto place = [&](size_t i) {
+        Recentred p = recentred(samples, i);
+        if (!(p.W > 0)) {  // behind the camera at half time: where it was seen
+            p = {samples.xy()[2 * i], samples.xy()[2 * i + 1], 1, 0, 0, 0};
+        }
+        return p;
+    };
+    ctx.parallel_for(
+        n,
+        [&](size_t i) {
+            const Recentred p = place(i);
+            x[i] = p.X / p.W;
+            y[i] = p.Y / p.W;
+            keys[i] = std::uint64_t(s.row_of(y[i])) * std::uint64_t(s.columns) + std::uint64_t(s.column_of(x[i]));
+        },
+        4096);
+    s.start.assign(size_t(s.columns) * size_t(s.rows) + 1, 0);
+    for (std::uint64_t key : keys) ++s.start[key + 1];
+    for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
+    s.order = sorted(keys, ctx);
+    constexpr size_t spare = 16;
+    for (auto* values : {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b}) values->resize(n + spare);
+    const auto rgb = samples.rgb();
+    ctx.parallel_for(
+        n,
+        [&](size_t to) {
+            const size_t i = s.order[to];
+            const Recentred p = place(i);
+            s.x[to] = x[i];
+            s.y[to] = y[i];
+            s.slope[to] = lens.c0 / p.W + lens.c1;
+            s.velocity_x[to] = (p.VX - x[i] * p.VW) / p.W;
+            s.velocity_y[to] = (p.VY - y[i] * p.VW) / p.W;
+            s.log_depth[to] = std::log(p.W);
+            s.r[to] = rgb[3 * i];
+            s.g[to] = rgb[3 * i + 1];
+            s.b[to] = rgb[3 * i + 2];
+        },
+        4096);
+    return s;
+}
+
+std::vector<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by, Context& ctx) {
+    const size_t n = samples.size();
+    for (size_t k = 0; k < Smoothing::widths; ++k)
+        by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
+    const SampleField s = sample_field(samples, 0.5f * by.width.back(), ctx);
+    const size_t filled = s.x.size();
+    Predictions p;
+    p.error.resize(Smoothing::widths * filled);
+    for (auto* values : {&p.r, &p.g, &p.b}) values->resize(Smoothing::widths * filled);
+    std::vector<std::uint8_t> best(n);
+    constexpr size_t grain = 1024;
+    std::atomic<size_t> done = 0;
+    ctx.parallel(n, grain, [&](size_t begin, size_t end) {
+        WEFT_PICK(predict)(s, by, begin, end, p);
+        ctx.progress(double(done += end - begin), 2 * double(n), "samples");
+    });
+    ctx.parallel(n, grain, [&](size_t begin, size_t end) {
+        WEFT_PICK(choose)(s, by, p, begin, end, best);
+        ctx.progress(double(done += end - begin), 2 * double(n), "samples");
+    });
+    std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
+    ctx.parallel_for(
+        n,
+        [&](size_t i) {
+            if (best[i] == 0) return;
+            const size_t from = i * Smoothing::widths + best[i], to = 3 * size_t(s.order[i]);
+            rgb[to] = p.r[from];
+            rgb[to + 1] = p.g[from];
+            rgb[to + 2] = p.b[from];
+        },
+        4096);
+    return rgb;
+}
+
+}  // namespace light_field
+
+namespace {
+
+struct SmoothRadiance {
+    float widest = 4.5f, caution = 0.5f, radius_scale = 1;
+    float slope_tolerance = 0.6f, velocity_tolerance = 1.5f, depth_tolerance = 0.03f;
+
+    static void declare(Ports<SmoothRadiance>& node) {
+        node.about("smooths the radiance of samples along their surfaces, as widely as leave-one-out errors find good")
+            .in<Samples>("samples", "xy, z and rgb; uv with a lens, t and motion where it has them")
+            .out<Samples>("samples", "the same with another rgb")
+            .param("widest", &SmoothRadiance::widest, {.min = 1, .max = 16, .about = "widest kernel, in radii R of the gaps expected between samples"})
+            .param("caution", &SmoothRadiance::caution, {.min = 0, .max = 10, .about = "standard errors by which a wider kernel must predict better to be used"})
+            .param("radius-scale", &SmoothRadiance::radius_scale, {.min = 0.1, .max = 10, .about = "of R"})
+            .param("slope-tolerance", &SmoothRadiance::slope_tolerance, {.unit = "px", .min = 0, .max = 100, .about = "difference in slope over the lens within a surface"})
+            .param("velocity-tolerance", &SmoothRadiance::velocity_tolerance,
+                   {.unit = "px per shutter", .min = 0, .max = 1000, .about = "difference in velocity within a surface"})
+            .param("depth-tolerance", &SmoothRadiance::depth_tolerance, {.min = 0, .max = 10, .about = "relative difference in depth within a surface"});
+    }
+    Cost cost(const Shapes& in) const {
+        const Shape s = in["samples"];
+        const double n = double(s.records);
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 130 * n, 4000 * n};
+    }
+    void run(const Inputs& in, Outputs& out, Context& ctx) const {
+        const Samples& samples = in.get<Samples>("samples");
+        samples.require("smooth-radiance", {"xy", "z", "rgb"});
+        light_field::Smoothing by;
+        by.slope = slope_tolerance;
+        by.velocity = velocity_tolerance;
+        by.depth = depth_tolerance;
+        by.caution = caution;
+        const auto rgb = samples.rgb();
+        const double total = ctx.reduce(
+            rgb.size(), 65536, 0.0,
+            [&](size_t begin, size_t end) {
+                double sum = 0;
+                for (size_t i = begin; i < end; ++i) sum += std::abs(double(rgb[i]));
+                return sum;
+            },
+            [](double a, double b) { return a + b; });
+        if (!(total > 0)) {
+            out.set("samples", samples);
+            return;
+        }
+        by.epsilon = 0.3f * float(total / double(rgb.size()));
+        Samples smooth = samples;
+        const float radius = radius_scale * light_field::dispersion_radius(samples.mean_spp());
+        smooth.add("rgb", 3, light_field::smooth_radiance(samples, radius, widest, by, ctx));
+        out.set("samples", std::move(smooth));
+    }
+};
+
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 1)
+
+}  // namespace
+}  // namespace weft
