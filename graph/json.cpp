@@ -33,6 +33,8 @@ Json::Json(std::uint64_t value)
       integer(std::int64_t(value)),
       number(double(value)) {}
 
+Json Json::list() { return list(std::vector<Json>()); }
+
 Json Json::list(std::vector<Json> items) {
     Json json;
     json.kind = Kind::list;

@@ -31,15 +31,16 @@ class Json {
     enum class Kind { null, boolean, number, text, list, object };
 
     Json() = default;
-    Json(bool value) : kind(Kind::boolean), boolean(value) {}
+    Json(bool value);
     Json(double value);         // a whole number within 2^53 is an integer too
     Json(std::int64_t value);
     Json(std::uint64_t value);
-    Json(int value) : Json(std::int64_t{value}) {}
-    Json(std::string value) : kind(Kind::text), text(std::move(value)) {}
-    Json(std::string_view value) : Json(std::string(value)) {}
-    Json(const char* value) : Json(std::string(value)) {}
-    static Json list(std::vector<Json> items = {});
+    Json(int value);
+    Json(std::string value);
+    Json(std::string_view value);
+    Json(const char* value);
+    static Json list(std::vector<Json> items);
+    static Json list();
     static Json object();
 
     bool is(Kind k) const { return kind == k; }
@@ -69,6 +70,13 @@ struct JsonMember {
     Place key_place;
     Json value;
 };
+
+// Here, where JsonMember is complete.
+inline Json::Json(bool value) : kind(Kind::boolean), boolean(value) {}
+inline Json::Json(int value) : Json(std::int64_t{value}) {}
+inline Json::Json(std::string value) : kind(Kind::text), text(std::move(value)) {}
+inline Json::Json(std::string_view value) : Json(std::string(value)) {}
+inline Json::Json(const char* value) : Json(std::string(value)) {}
 
 // What a kind is called in messages: "a number", "a list" ...
 std::string_view name_of(Json::Kind kind);
