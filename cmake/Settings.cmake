@@ -23,4 +23,11 @@ if(WEFT_SANITIZE)
     add_compile_options(-fsanitize=${WEFT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
     add_link_options(-fsanitize=${WEFT_SANITIZE})
 endif()
+if(WEFT_FUZZ)
+    # Everything is instrumented, or the fuzzer sees nothing of it. RapidJSON adds to null pointers
+    # (its empty stack), which is harmless and all over its headers.
+    add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=pointer-overflow
+                        -fno-sanitize-recover=all)
+    add_link_options(-fsanitize=address,undefined)
+endif()
 include_directories(${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/nodes)

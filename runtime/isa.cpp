@@ -9,10 +9,15 @@ namespace {
 Isa active = best_isa();
 }
 
+// By what a level adds and not by its name, which clang 14 does not know. No processor has these
+// and lacks the rest of its level (f16c, lzcnt, movbe).
 Isa best_isa() {
-    if (__builtin_cpu_supports("x86-64-v4")) return Isa::v4;
-    if (__builtin_cpu_supports("x86-64-v3")) return Isa::v3;
-    return Isa::v2;
+    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                    __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                    __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                    __builtin_cpu_supports("avx512vl");
+    return v4 ? Isa::v4 : v3 ? Isa::v3 : Isa::v2;
 }
 
 Isa active_isa() { return active; }

@@ -379,9 +379,10 @@ class NodeOf final : public NodeInstance {
     void open(const Inputs& in, const Extent& extent, void* result) const override {
         if constexpr (form_of() == Form::sink) node.open(in, extent, *static_cast<Result*>(result));
     }
-    void begin(const Inputs& in, void* scratch) const override {
-        if constexpr (form_of() == Form::sink && requires(Scratch& s) { node.begin(in, s); })
-            node.begin(in, *static_cast<Scratch*>(scratch));
+    void begin([[maybe_unused]] const Inputs& in, [[maybe_unused]] void* scratch) const override {
+        if constexpr (form_of() == Form::sink)
+            if constexpr (requires(Scratch& s) { node.begin(in, s); })
+                node.begin(in, *static_cast<Scratch*>(scratch));
     }
     void take(const Inputs& in, void* scratch) const override {
         if constexpr (form_of() == Form::sink) node.batch(in, *static_cast<Scratch*>(scratch));
