@@ -37,7 +37,7 @@ struct Options {
     float exponent = 2, radius = 1, retry = 2, filter_radius = 1;
     SameSurface test;
     bool smooth = false;
-    float widest = 4.5f, caution = 0.5f;
+    float widest = 4.5f, caution = 0.5f, sharp_caution = 2;
     bool stages = true;  // time each kernel
 };
 
@@ -212,6 +212,7 @@ int main(int argc, char** argv) {
         else if (key == "--stages") o.stages = value != 0;
         else if (key == "--smooth") o.smooth = value != 0;
         else if (key == "--widest") o.widest = float(value);
+        else if (key == "--sharp-caution") o.sharp_caution = float(value);
         else if (key == "--caution") o.caution = float(value);
         else if (key == "--isa") pin_isa(Isa(int(value)));
         else return fmt::print(stderr, "unknown option {}\n", key), 2;
@@ -223,6 +224,7 @@ int main(int argc, char** argv) {
     if (o.smooth) {
         Smoothing by;
         by.caution = o.caution;
+        by.sharp_caution = o.sharp_caution;
         samples.add("rgb", 3, smooth_radiance(samples, dispersion_radius(samples.mean_spp()), o.widest, by, ctx));
     }
     smooth = cpu_ns() - smooth;

@@ -1,5 +1,5 @@
-// smooth-radiance: less noise in a sample buffer's radiance, without blurring what is not noise
-// (smooth_radiance_kernel.h says how). Only rgb changes; a buffer without noise comes out as it went in.
+// smooth-radiance: less noise in a sample buffer's radiance where it is noisy, and more contrast in fine
+// detail where it is not, to make up for the filter to come (smooth_radiance_kernel.h says how). Only rgb changes.
 #include "light-field/smooth_radiance_kernel.h"
 
 #include <atomic>
@@ -66,6 +66,11 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     return s;
 }
 
+void Predictions::resize(size_t samples) {
+    for (auto* values : {&error, &r, &g, &b}) values->resize(Smoothing::treatments * samples);
+    weight.assign(samples, 1);
+}
+
 std::vector<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by, Context& ctx) {
     const size_t n = samples.size();
     for (size_t k = 0; k < Smoothing::widths; ++k)
@@ -73,25 +78,28 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
     const SampleField s = sample_field(samples, 0.5f * by.width.back(), ctx);
     const size_t filled = s.x.size();
     Predictions p;
-    p.error.resize(Smoothing::widths * filled);
-    for (auto* values : {&p.r, &p.g, &p.b}) values->resize(Smoothing::widths * filled);
+    p.resize(filled);
     std::vector<std::uint8_t> best(n);
     constexpr size_t grain = 1024;
     std::atomic<size_t> done = 0;
     ctx.parallel(n, grain, [&](size_t begin, size_t end) {
         WEFT_PICK(predict)(s, by, begin, end, p);
-        ctx.progress(double(done += end - begin), 2 * double(n), "samples");
+        ctx.progress(double(done += end - begin), 3 * double(n), "samples");
+    });
+    ctx.parallel(n, grain, [&](size_t begin, size_t end) {
+        WEFT_PICK(sharpen)(s, by, begin, end, p);
+        ctx.progress(double(done += end - begin), 3 * double(n), "samples");
     });
     ctx.parallel(n, grain, [&](size_t begin, size_t end) {
         WEFT_PICK(choose)(s, by, p, begin, end, best);
-        ctx.progress(double(done += end - begin), 2 * double(n), "samples");
+        ctx.progress(double(done += end - begin), 3 * double(n), "samples");
     });
     std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
     ctx.parallel_for(
         n,
         [&](size_t i) {
             if (best[i] == 0) return;
-            const size_t from = i * Smoothing::widths + best[i], to = 3 * size_t(s.order[i]);
+            const size_t from = size_t(best[i]) * filled + i, to = 3 * size_t(s.order[i]);
             rgb[to] = p.r[from];
             rgb[to + 1] = p.g[from];
             rgb[to + 2] = p.b[from];
@@ -105,15 +113,16 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
 namespace {
 
 struct SmoothRadiance {
-    float widest = 4.5f, caution = 0.5f, radius_scale = 1;
+    float widest = 4.5f, caution = 0.5f, sharp_caution = 2, radius_scale = 1;
     float slope_tolerance = 0.6f, velocity_tolerance = 1.5f, depth_tolerance = 0.03f;
 
     static void declare(Ports<SmoothRadiance>& node) {
-        node.about("smooths the radiance of samples along their surfaces, as widely as leave-one-out errors find good")
+        node.about("smooths noisy radiance of samples along their surfaces and sharpens clean detail, as leave-one-out errors find good")
             .in<Samples>("samples", "xy, z and rgb; uv with a lens, t and motion where it has them")
             .out<Samples>("samples", "the same with another rgb")
             .param("widest", &SmoothRadiance::widest, {.min = 1, .max = 16, .about = "widest kernel, in radii R of the gaps expected between samples"})
             .param("caution", &SmoothRadiance::caution, {.min = 0, .max = 10, .about = "standard errors by which a wider kernel must predict better to be used"})
+            .param("sharp-caution", &SmoothRadiance::sharp_caution, {.min = 0, .max = 1e6, .about = "the same for sharpening, which the filter's blur is made up for with; 1e6: never"})
             .param("radius-scale", &SmoothRadiance::radius_scale, {.min = 0.1, .max = 10, .about = "of R"})
             .param("slope-tolerance", &SmoothRadiance::slope_tolerance, {.unit = "px", .min = 0, .max = 100, .about = "difference in slope over the lens within a surface"})
             .param("velocity-tolerance", &SmoothRadiance::velocity_tolerance,
@@ -123,7 +132,7 @@ struct SmoothRadiance {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 130 * n, 4000 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 150 * n, 4000 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -133,6 +142,7 @@ struct SmoothRadiance {
         by.velocity = velocity_tolerance;
         by.depth = depth_tolerance;
         by.caution = caution;
+        by.sharp_caution = sharp_caution;
         const auto rgb = samples.rgb();
         const double total = ctx.reduce(
             rgb.size(), 65536, 0.0,

@@ -1,12 +1,15 @@
-// Smoothing of noisy radiance along surfaces, as widely as the samples themselves say it does no harm.
-// For each sample and each of four kernel widths the radiance is predicted from the sample's neighbours on
-// its surface, itself left out; the width whose predictions are best around the sample is used there, the
-// narrowest meaning: leave it alone.
+// Smoothing of noisy radiance along surfaces, and sharpening of clean detail, as far as the samples
+// themselves say that it does good. For each sample and each treatment its radiance is predicted from its
+// neighbours on its surface, itself left out; the treatment whose predictions are best around it is used.
+//   as it is     what a filter of the narrowest width, a squared tent, will make of the samples later
+//   sharpened    the same of 2 y - (the samples so filtered): its blur is made up for in advance
+//   smoothed     means under tents of greater widths
 //   neighbours   by position at lens centre and half time; of one surface where slope, velocity and
 //                depth are alike
 //   errors       (sample - prediction)^2 / (wide mean^2 + epsilon^2), averaged over the widest kernel
-// Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5); own combination.
-// Cost: two passes over some 500 neighbours a sample, about 0.5 us.  Threads: through the context.
+// Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), twicing (Tukey 1977;
+// Stuetzle and Mittal 1979); own combination.
+// Cost: passes over some 500 neighbours a sample, about 1 us.  Threads: through the context.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,11 +23,13 @@ namespace weft::light_field {
 
 struct Smoothing {
     static constexpr size_t widths = 4;
-    std::array<float, widths> width{};  // px, ascending; the first stands for no smoothing
+    static constexpr size_t treatments = widths + 1;  // 0 as it is, 1 ... smoothed, the last sharpened
+    std::array<float, widths> width{};  // px, ascending; the first is that of the filter to come
     float slope = 0.6f;                 // px: most that two of one surface differ by
     float velocity = 1.5f;              // px per shutter
     float depth = 0.03f;                // of the logarithm
     float caution = 0.5f;               // standard errors by which a wider kernel has to win
+    float sharp_caution = 2;            // the same for sharpening
     float epsilon = 0.1f;               // radiance below which errors count less
 };
 
@@ -47,13 +52,16 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx);
 
 // Of each sample of the field and each width.
 struct Predictions {
-    std::vector<float> error;           // widths a sample
-    std::vector<float> r, g, b;         // widths a sample: means, the sample itself among them
+    std::vector<float> error;        // by treatment, then sample
+    std::vector<float> weight;       // sum of weights under the narrowest
+    std::vector<float> r, g, b;      // by treatment, then sample: radiance; treatment 0: under the filter
+    void resize(size_t samples);
 };
 
 #define WEFT_SMOOTHING_KERNELS(isa)                                                                                   \
     namespace isa {                                                                                                   \
     void predict(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Predictions& out);          \
+    void sharpen(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Predictions& out);          \
     void choose(const SampleField& field, const Smoothing& by, const Predictions& from, size_t begin, size_t end,     \
                 std::vector<std::uint8_t>& best);                                                                     \
     }

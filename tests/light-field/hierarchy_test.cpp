@@ -1,0 +1,111 @@
+// Bounds of groups hold their samples over lens and shutter; a search finds all that can be seen.
+#include "light-field/build_hierarchy_kernel.h"
+#include "light-field/reference_kernels.h"
+#include "tests/light-field/light_field_test.h"
+
+namespace weft {
+namespace {
+using namespace light_field;
+
+class HierarchyOf : public testing::TestWithParam<std::tuple<Kind_of, Arrangement>> {
+  protected:
+    PlainContext ctx;
+    std::mt19937 random{7};
+    float between(float a, float b) { return std::uniform_real_distribution<float>(a, b)(random); }
+};
+
+TEST_P(HierarchyOf, EverySampleLiesWithinItsGroupsBounds) {
+    const auto [kind, arrangement] = GetParam();
+    const Hierarchy h = build_hierarchy(random_samples(24, 20, 3, kind), arrangement, 1, ctx);
+    for (int trial = 0; trial < 300; ++trial) {
+        const float a = between(0, 6.3f), r = trial % 3 ? std::sqrt(between(0, 1)) : 1.0f;
+        const float u = r * std::cos(a), v = r * std::sin(a), t = trial % 5 ? between(0, 1) : float(trial % 2);
+        for (size_t i = 0; i < h.size(); ++i) {
+            const reference::Seen s = reference::see(h, i, u, v, t);
+            if (!s.there) continue;
+            const size_t g = i / Hierarchy::group_size;
+            const float x = h.groups.slope[g] * h.lens.aspect * u + h.groups.velocity_x[g] * (t - 0.5f);
+            const float y = h.groups.slope[g] * v + h.groups.velocity_y[g] * (t - 0.5f);
+            ASSERT_GE(s.x, h.groups.x_low[g] + x) << "sample " << i << " of " << h.size();
+            ASSERT_LE(s.x, h.groups.x_high[g] + x);
+            ASSERT_GE(s.y, h.groups.y_low[g] + y);
+            ASSERT_LE(s.y, h.groups.y_high[g] + y);
+        }
+    }
+}
+
+TEST_P(HierarchyOf, SearchFindsWhateverCanBeSeenInARectangle) {
+    const auto [kind, arrangement] = GetParam();
+    const Hierarchy h = build_hierarchy(random_samples(40, 30, 4, kind), arrangement, 1, ctx);
+    for (int trial = 0; trial < 40; ++trial) {
+        const float x0 = between(-5, 35), y0 = between(-5, 25), x1 = x0 + between(0, 9), y1 = y0 + between(0, 9);
+        std::vector<std::uint32_t> groups;
+        h.collect(x0, y0, x1, y1, groups);
+        EXPECT_TRUE(std::is_sorted(groups.begin(), groups.end()));
+        const float u = between(-0.7f, 0.7f), v = between(-0.7f, 0.7f), t = between(0, 1);
+        for (size_t i = 0; i < h.size(); ++i) {
+            const reference::Seen s = reference::see(h, i, u, v, t);
+            if (!s.there || s.x < x0 || s.x > x1 || s.y < y0 || s.y > y1) continue;
+            ASSERT_TRUE(std::binary_search(groups.begin(), groups.end(), std::uint32_t(i / Hierarchy::group_size)));
+        }
+    }
+}
+
+TEST_P(HierarchyOf, HoldsEverySampleOnceWithItsRadiance) {
+    const auto [kind, arrangement] = GetParam();
+    const Samples samples = random_samples(9, 7, 2, kind);
+    const Hierarchy h = build_hierarchy(samples, arrangement, 1, ctx);
+    ASSERT_EQ(h.size(), samples.size());
+    EXPECT_EQ(h.W.size() % Hierarchy::group_size, 0u);
+    std::vector<int> seen(samples.size());
+    for (size_t i = 0; i < h.size(); ++i) {
+        ++seen[h.order[i]];
+        for (size_t c = 0; c < 3; ++c) EXPECT_EQ(h.rgba[4 * i + c], samples.rgb()[3 * h.order[i] + c]);
+        // At its own lens position and time it is where it was.
+        const auto uv = samples.uv(), t = samples.t();
+        const size_t j = h.order[i];
+        const reference::Seen s = reference::see(h, i, uv.empty() ? 0 : uv[2 * j], uv.empty() ? 0 : uv[2 * j + 1], t.empty() ? 0.5f : t[j]);
+        ASSERT_TRUE(s.there);
+        EXPECT_NEAR(s.x, samples.xy()[2 * j], 2e-3f);
+        EXPECT_NEAR(s.y, samples.xy()[2 * j + 1], 2e-3f);
+    }
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), std::ptrdiff_t(seen.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HierarchyOf,
+                         testing::Combine(testing::Values(Kind_of::still_pinhole, Kind_of::defocused, Kind_of::moving, Kind_of::moving_in_depth),
+                                          testing::Values(Arrangement::layers, Arrangement::cells)));
+
+TEST(Hierarchy, OfAnEmptyBufferFindsNothing) {
+    PlainContext ctx;
+    Samples none;
+    none.width = none.height = 4;
+    none.spp = 1;
+    none.add("xy", 2, {});
+    none.add("z", 1, {});
+    none.add("rgb", 3, {});
+    const Hierarchy h = build_hierarchy(none, Arrangement::layers, 1, ctx);
+    std::vector<std::uint32_t> groups;
+    h.collect(-1e9f, -1e9f, 1e9f, 1e9f, groups);
+    EXPECT_TRUE(groups.empty());
+    EXPECT_EQ(h.size(), 0u);
+}
+
+TEST(Hierarchy, NamesTheChannelThatIsMissing) {
+    PlainContext ctx;
+    Samples flat;
+    flat.width = flat.height = 1;
+    flat.spp = 1;
+    flat.add("xy", 2, {0.5f, 0.5f});
+    flat.add("rgb", 3, {1, 1, 1});
+    EXPECT_NE(error_of([&] { build_hierarchy(flat, Arrangement::layers, 1, ctx); }).find("needs z"), std::string::npos);
+}
+
+TEST(Hierarchy, RadiusHalvesWhenSamplesQuadruple) {
+    EXPECT_NEAR(dispersion_radius(1), 2, 0.05);
+    EXPECT_NEAR(dispersion_radius(16) / dispersion_radius(64), 2, 0.05);
+    EXPECT_LT(dispersion_radius(3), dispersion_radius(2.5));
+}
+
+}  // namespace
+}  // namespace weft
