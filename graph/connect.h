@@ -7,11 +7,11 @@
 
 #include "graph/table.h"
 
-namespace weft {
+namespace weft::loading {
 
 class Connector {
   public:
-    Connector(MemberTable& table, bool for_run, Findings& findings)
+    Connector(NodeTable& table, bool for_run, Findings& findings)
         : table_(table), for_run_(for_run), findings_(findings) {}
     void run();
 
@@ -45,9 +45,13 @@ class Connector {
     Target through(Entity& entity);
     Target output_target(Scope& scope, size_t index);
 
-    MemberTable& table_;
+    // "'cluster'", or with its type where that says more.
+    static std::string called(const Entity& entity);
+    static std::string type_name(const Entity& entity);
+
+    NodeTable& table_;
     bool for_run_;
     Findings& findings_;
 };
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -32,12 +32,13 @@ enum class Need { required, optional, variadic };
 
 struct PortDecl {
     std::string name, about;
-    std::string type;      // "Samples", "Locations", ...
+    std::string type;  // "Samples", "Locations", ...
     bool stream = false;
     Need need = Need::required;
-    // Streams. An output that `selects` passes on some of its input's records. An input that takes a
-    // `branch` may carry a selection of the records of the node's first stream input, to be merged.
-    // A `per_batch` stream holds no records of its own (it is shared by all records of a batch).
+    // Streams. An output that `selects` passes on some of its input's records. An input that takes
+    // a `branch` may carry a selection of the records of the node's first stream input, to be
+    // merged. A `per_batch` stream holds no records of its own (it is shared by all records of a
+    // batch).
     bool selects = false, branch = false, per_batch = false;
 };
 
@@ -49,7 +50,7 @@ struct NodeDecl {
     bool writes = false;  // has an effect outside the graph: always run
 
     const ParamDecl* find_param(std::string_view name) const;
-    int find_input(std::string_view name) const;   // index, or -1
+    int find_input(std::string_view name) const;  // index, or -1
     int find_output(std::string_view name) const;
 };
 

@@ -6,7 +6,7 @@
 #include "graph/graph.h"
 #include "graph/substitution.h"
 
-namespace weft {
+namespace weft::loading {
 namespace {
 
 bool name_characters(std::string_view name, bool slashes) {
@@ -39,8 +39,7 @@ class Reader {
         each(root, "nodes", [&](const JsonMember& m) { node(m); });
         each(root, "outputs", [&](const JsonMember& m) { output(m); });
         if (!root.find("nodes"))
-            findings_.error(start(root.place),
-                            "the document has no 'nodes'; expected \"nodes\": {{...}}");
+            findings_.error(span(root), "the document has no 'nodes'; expected \"nodes\": {{...}}");
         for (const ParameterText& p : document_.parameters)
             if (!p.used)
                 findings_.error(
@@ -50,16 +49,6 @@ class Reader {
     }
 
   private:
-    // The opening brace alone: an object over many lines is not to be underlined.
-    static Place start(Place place) {
-        place.end = std::min(place.end, place.begin + 1);
-        return place;
-    }
-    static Place span(const Json& value) {
-        return value.is(Json::Kind::object) || value.is(Json::Kind::list) ? start(value.place)
-                                                                          : value.place;
-    }
-
     bool expect(const Json& value, Json::Kind kind, const std::string& what) {
         if (value.is(kind)) return true;
         findings_.error(span(value), "{} is {}; expected {}", what, name_of(value.kind),
@@ -100,7 +89,7 @@ class Reader {
     bool version(const Json& root) {
         const Json* weft = root.find("weft");
         if (!weft) {
-            findings_.error(start(root.place),
+            findings_.error(span(root),
                             "the document does not say its version; expected \"weft\": {}",
                             document_version);
             return true;  // the rest is worth reading
@@ -349,6 +338,13 @@ const ParameterText* Document::find_parameter(std::string_view name) const {
     return nullptr;
 }
 
+Place span(const Json& value) {
+    Place place = value.place;
+    if (value.is(Json::Kind::object) || value.is(Json::Kind::list))
+        place.end = std::min(place.end, place.begin + 1);
+    return place;
+}
+
 int take_pin(std::string& type) {
     const size_t at = type.rfind('@');
     if (at == std::string::npos) return 0;
@@ -382,4 +378,4 @@ Document read_document(const SourcePtr& source, Findings& findings) {
     return document;
 }
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -7,7 +7,7 @@
 #include "graph/declaration.h"
 #include "graph/findings.h"
 
-namespace weft {
+namespace weft::loading {
 
 struct Word {
     std::string text;
@@ -73,6 +73,9 @@ struct Document {
 
 Document read_document(const SourcePtr& source, Findings& findings);
 
+// What to underline of a value: an object or list over many lines is shown by its first character.
+Place span(const Json& value);
+
 // "type@3" -> 3 (0: none, -1: no number); `type` loses the pin.
 int take_pin(std::string& type);
 bool is_graph_file(std::string_view type);  // ends in .json
@@ -80,4 +83,4 @@ bool is_graph_file(std::string_view type);  // ends in .json
 // "node.port" or "node"; false if it is neither.
 bool split_link(std::string_view text, LinkText& link);
 
-}  // namespace weft
+}  // namespace weft::loading

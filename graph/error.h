@@ -12,7 +12,8 @@ class Error : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Work stopped because somebody asked for it (Ctrl-C, a failed neighbour): not a failure of its own.
+// Work stopped because somebody asked for it (Ctrl-C, a failed neighbour): not a failure of its
+// own.
 class Cancelled : public std::exception {
   public:
     const char* what() const noexcept override { return "cancelled"; }

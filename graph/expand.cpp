@@ -3,20 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace weft {
+namespace weft::loading {
 namespace {
 
 constexpr size_t most_nodes = 100000;
-
-Place first_character(Place place) {
-    place.end = std::min(place.end, place.begin + 1);
-    return place;
-}
-
-Place span(const Json& value) {
-    return value.is(Json::Kind::object) || value.is(Json::Kind::list) ? first_character(value.place)
-                                                                      : value.place;
-}
 
 std::string kind_text(const ParamDecl& decl) {
     return decl.unit.empty() ? std::string(name_of(decl.kind))
@@ -49,7 +39,7 @@ void Expander::run(const Document& top) {
 void Expander::top_parameters(Scope& scope) {
     for (const ParameterText& text : scope.document->parameters) {
         Bound bound;
-        bound.expression = Json("$" + text.decl.name);
+        bound.expression = Json(fmt::format("${}", text.decl.name));
         bound.known = text.decl.fallback.has_value();
         if (bound.known) bound.value = *text.decl.fallback;
         if (const SetOption* option = options_.set_of("", text.decl.name))
@@ -404,4 +394,4 @@ std::string pin_problem(const NodeDecl& decl, int pin) {
         decl.type, pin, decl.version);
 }
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -8,11 +8,11 @@
 #include "graph/library.h"
 #include "graph/table.h"
 
-namespace weft {
+namespace weft::loading {
 
 class Expander {
   public:
-    Expander(MemberTable& table, Library& library, Options& options, bool for_run, Findings& findings)
+    Expander(NodeTable& table, Library& library, Options& options, bool for_run, Findings& findings)
         : table_(table),
           library_(library),
           options_(options),
@@ -49,7 +49,7 @@ class Expander {
     void unknown_settings(Entity& entity, const std::string& path, const Owner& owner);
     void unused_options();
 
-    MemberTable& table_;
+    NodeTable& table_;
     Library& library_;
     Options& options_;
     bool for_run_;
@@ -59,4 +59,4 @@ class Expander {
     bool too_many_ = false;
 };
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -9,7 +9,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace weft {
+namespace weft::loading {
 
 class Findings {
   public:
@@ -44,11 +44,9 @@ class Findings {
         });
         std::vector<Diagnostic> out;
         for (auto& [r, d] : ranked) {
-            const bool told =
-                std::any_of(out.rbegin(), out.rend(), [&, &finding = d](const Diagnostic& o) {
-                    return o.place.source == finding.place.source &&
-                           o.place.begin == finding.place.begin && o.message == finding.message;
-                });
+            bool told = false;
+            for (auto o = out.rbegin(); o != out.rend() && o->place.begin == d.place.begin; ++o)
+                told = told || (o->place.source == d.place.source && o->message == d.message);
             if (!told) out.push_back(std::move(d));
         }
         return out;
@@ -59,4 +57,4 @@ class Findings {
     std::vector<const Source*> sources_;
 };
 
-}  // namespace weft
+}  // namespace weft::loading

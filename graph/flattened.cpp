@@ -9,6 +9,9 @@
 #include "graph/substitution.h"
 
 namespace weft {
+
+using namespace loading;
+
 namespace {
 
 Json declaration_text(const ParamDecl& decl) {

@@ -18,14 +18,14 @@ struct Link {
 };
 
 struct GraphNode {
-    std::string name;                        // "pass-1/cluster" inside a sub-graph
+    std::string name;  // "pass-1/cluster" inside a sub-graph
     const NodeDecl* type = nullptr;
-    std::vector<Json> params;                // as type->params, defaults filled in; null: not set
+    std::vector<Json> params;  // as type->params, defaults filled in; null: not set
     // As params: text with the top document's "$name"s kept, for files written and for what has no
     // value yet; null elsewhere.
     std::vector<Json> expressions;
-    std::vector<std::vector<Link>> inputs;   // as type->inputs
-    Place place;                             // its name in the document
+    std::vector<std::vector<Link>> inputs;  // as type->inputs
+    Place place;                            // its name in the document
 };
 
 struct GraphParameter {
@@ -34,13 +34,13 @@ struct GraphParameter {
 };
 
 struct Graph {
-    std::string name;                        // the document's path
+    std::string name;  // the document's path
     std::string about;
     std::vector<GraphParameter> parameters;  // of the top document
     std::vector<GraphNode> nodes;            // every node after those it reads from
     std::map<std::string, Link> outputs;     // of a document that declares outputs
 
-    int find(std::string_view node) const;   // index by name, or -1
+    int find(std::string_view node) const;  // index by name, or -1
 
     // The flattened document: one level, names kept, parameters as values except those in the names
     // of files written. It parses again to the same graph, whatever --set gave for files written.
@@ -60,13 +60,14 @@ struct LoadOptions {
 };
 
 struct Loaded {
-    Graph graph;                        // meaningful if there are no errors
-    std::vector<Diagnostic> findings;   // by place
+    Graph graph;                       // meaningful if there are no errors
+    std::vector<Diagnostic> findings;  // by place
     bool ok() const { return !has_errors(findings); }
 };
 
 Loaded load_graph(const std::string& path, const Catalog& catalog, const LoadOptions& options = {});
-// The same from text; `name` stands for the file in messages, its folder is where sub-graphs are looked for.
+// The same from text; `name` stands for the file in messages, its folder is where sub-graphs are
+// looked for.
 Loaded load_graph_text(std::string text, const std::string& name, const Catalog& catalog,
                        const LoadOptions& options = {});
 

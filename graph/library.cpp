@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace weft {
+namespace weft::loading {
 namespace fs = std::filesystem;
 
 bool read_text_file(const std::string& path, std::string& text, std::string& problem) {
@@ -70,4 +70,4 @@ const Document& Library::add(std::string text, const std::string& name,
     return document;
 }
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -5,11 +5,11 @@
 
 #include "graph/table.h"
 
-namespace weft {
+namespace weft::loading {
 
 class Library {
   public:
-    Library(MemberTable& table, Findings& findings) : table_(table), findings_(findings) {}
+    Library(NodeTable& table, Findings& findings) : table_(table), findings_(findings) {}
 
     // nullptr: it cannot be read; `problem` says why. A document with errors is returned all the
     // same.
@@ -18,7 +18,7 @@ class Library {
 
   private:
     const Document& add(std::string text, const std::string& name, const std::string& canonical);
-    MemberTable& table_;
+    NodeTable& table_;
     Findings& findings_;
     std::map<std::string, const Document*> read_;  // by canonical path
 };
@@ -26,4 +26,4 @@ class Library {
 // A whole small file; false with the reason if it cannot be read.
 bool read_text_file(const std::string& path, std::string& text, std::string& problem);
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -7,6 +7,9 @@
 #include "graph/table.h"
 
 namespace weft {
+
+using namespace loading;
+
 namespace {
 
 PortTypes port_types(const Catalog& catalog) {
@@ -38,12 +41,12 @@ void invent_parameters(Graph& graph) {
             decl.about = param.about;
             decl.optional_file = param.optional_file;
             graph.parameters.push_back({std::move(decl), node.params[i]});
-            node.expressions[i] = Json("$" + name);
+            node.expressions[i] = Json(fmt::format("${}", name));
         }
     }
 }
 
-void build(MemberTable& table, const std::vector<int>& order, Graph& graph) {
+void build(NodeTable& table, const std::vector<int>& order, Graph& graph) {
     std::vector<int> index(table.nodes.size(), -1);
     for (const int node : order) {
         if (table.nodes[size_t(node)].stand_in) continue;
@@ -69,7 +72,7 @@ void build(MemberTable& table, const std::vector<int>& order, Graph& graph) {
     invent_parameters(graph);
 }
 
-Loaded load(MemberTable& table, Library& library, const Document& top, const LoadOptions& options,
+Loaded load(NodeTable& table, Library& library, const Document& top, const LoadOptions& options,
             Findings& findings) {
     Loaded loaded;
     loaded.graph.name = top.source->name;
@@ -91,7 +94,7 @@ Loaded load(MemberTable& table, Library& library, const Document& top, const Loa
 
 Loaded load_graph(const std::string& path, const Catalog& catalog, const LoadOptions& options) {
     Findings findings;
-    MemberTable table;
+    NodeTable table;
     table.catalog = &catalog;
     table.types = port_types(catalog);
     Library library(table, findings);
@@ -109,7 +112,7 @@ Loaded load_graph(const std::string& path, const Catalog& catalog, const LoadOpt
 Loaded load_graph_text(std::string text, const std::string& name, const Catalog& catalog,
                        const LoadOptions& options) {
     Findings findings;
-    MemberTable table;
+    NodeTable table;
     table.catalog = &catalog;
     table.types = port_types(catalog);
     Library library(table, findings);

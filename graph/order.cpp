@@ -5,12 +5,12 @@
 
 #include "graph/table.h"
 
-namespace weft {
+namespace weft::loading {
 namespace {
 
 // Visits links into `node` whose other end counts.
 template <class Visit>
-void each_link(const MemberTable& table, int node, Visit&& visit) {
+void each_link(const NodeTable& table, int node, Visit&& visit) {
     for (const auto& port : table.nodes[size_t(node)].inputs)
         for (const FlatLink& link : port)
             if (!table.nodes[size_t(link.link.node)].removed) visit(link);
@@ -20,7 +20,7 @@ void each_link(const MemberTable& table, int node, Visit&& visit) {
 // most.
 class CycleFinder {
   public:
-    CycleFinder(const MemberTable& table, const std::vector<bool>& placed, Findings& findings)
+    CycleFinder(const NodeTable& table, const std::vector<bool>& placed, Findings& findings)
         : table_(table),
           findings_(findings),
           state_(table.nodes.size(), State::fresh),
@@ -85,7 +85,7 @@ class CycleFinder {
                         table_.nodes[size_t(circle[0])].name);
     }
 
-    const MemberTable& table_;
+    const NodeTable& table_;
     Findings& findings_;
     std::vector<State> state_;
     std::vector<bool> told_;
@@ -114,7 +114,7 @@ void find_unread(const Scope& scope, Findings& findings) {
 
 }  // namespace
 
-std::vector<int> order(const MemberTable& table, Findings& findings) {
+std::vector<int> order(const NodeTable& table, Findings& findings) {
     const size_t count = table.nodes.size();
     std::vector<int> waiting(count);
     std::vector<std::vector<int>> readers(count);
@@ -146,8 +146,8 @@ std::vector<int> order(const MemberTable& table, Findings& findings) {
     return {};
 }
 
-void find_unread(const MemberTable& table, Findings& findings) {
+void find_unread(const NodeTable& table, Findings& findings) {
     find_unread(*table.top, findings);
 }
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -1,6 +1,6 @@
 #include "graph/overrides.h"
 
-namespace weft {
+namespace weft::loading {
 namespace {
 
 SourcePtr option_source(std::string_view option, const std::string& text) {
@@ -150,4 +150,4 @@ Json option_value(const Word& value, Kind kind) {
     return json;
 }
 
-}  // namespace weft
+}  // namespace weft::loading

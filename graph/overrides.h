@@ -8,7 +8,7 @@
 #include "graph/document.h"
 #include "graph/graph.h"
 
-namespace weft {
+namespace weft::loading {
 
 struct SetOption {
     std::string node;  // "": a parameter of the graph
@@ -50,4 +50,4 @@ Options take_options(const Overrides& overrides, Findings& findings);
 // itself.
 Json option_value(const Word& value, Kind kind);
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -1,11 +1,12 @@
 // Streams meet only streams of the same source, holding the same records; and no stream waits for
 // what comes out of its own end.
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "graph/table.h"
 
-namespace weft {
+namespace weft::loading {
 namespace {
 
 // What a stream output carries. Selection 0 is all of the source's records.
@@ -28,7 +29,7 @@ struct Joined {
 
 class StreamChecker {
   public:
-    StreamChecker(const MemberTable& table, Findings& findings) : table_(table), findings_(findings) {
+    StreamChecker(const NodeTable& table, Findings& findings) : table_(table), findings_(findings) {
         streams_.resize(table.nodes.size());
         member_.assign(table.nodes.size(), -1);
         waits_.resize(table.nodes.size());
@@ -53,13 +54,6 @@ class StreamChecker {
             return fmt::format("all records of '{}'", at(stream.source).name);
         return fmt::format("the records that '{}' selects",
                            output_name(selections_[size_t(stream.selection)].by));
-    }
-    bool selected_from(int selection, int from) const {
-        while (selection > 0) {
-            selection = selections_[size_t(selection)].parent;
-            if (selection == from) return true;
-        }
-        return false;
     }
 
     void join(int index) {
@@ -126,6 +120,8 @@ class StreamChecker {
     void compare(const Joined& base, const Joined& other) {
         const std::string name = output_name(other.link->link);
         if (other.stream.source != base.stream.source) {
+            // Whoever uses this graph as a node will see to what its inputs have in common.
+            if (at(other.stream.source).stand_in || at(base.stream.source).stand_in) return;
             findings_.error(other.link->place,
                             "'{}' is a stream of '{}', but '{}' is one of '{}'; a node joins "
                             "streams of one source only",
@@ -140,10 +136,10 @@ class StreamChecker {
                     other.link->place,
                     "'{}' holds the same records as '{}' ({}); '{}' takes a selection of them",
                     name, base.port->name, records(base.stream), other.port->name);
-            else if (!selected_from(other.stream.selection, base.stream.selection))
+            else if (selections_[size_t(other.stream.selection)].parent != base.stream.selection)
                 findings_.error(other.link->place,
-                                "'{}' holds {}, which is no selection from '{}' ({}); '{}' takes a "
-                                "branch of it",
+                                "'{}' holds {}, which were not selected from '{}' ({}); '{}' takes "
+                                "a branch of it",
                                 name, records(other.stream), base.port->name, records(base.stream),
                                 other.port->name);
         } else if (other.stream.selection != base.stream.selection) {
@@ -175,32 +171,36 @@ class StreamChecker {
         }
     }
 
-    bool reaches(int from, int to, size_t edges) const {
+    bool reaches(int from, int to) const {
         std::set<int> seen{from};
         std::vector<int> open{from};
         while (!open.empty()) {
             const int now = open.back();
             open.pop_back();
             if (now == to) return true;
-            for (size_t i = 0; i < edges; ++i)
-                if (edges_[i].stream == now && seen.insert(edges_[i].waits_for).second)
-                    open.push_back(edges_[i].waits_for);
+            const auto next = before_.find(now);
+            if (next == before_.end()) continue;
+            for (const int other : next->second)
+                if (seen.insert(other).second) open.push_back(other);
         }
         return false;
     }
 
     // A stream is run as one: it cannot wait for a stream that waits for it.
     void circles() {
-        for (size_t i = 0; i < edges_.size(); ++i) {
-            const Edge& edge = edges_[i];
-            if (!reaches(edge.waits_for, edge.stream, i)) continue;
+        for (const Edge& edge : edges_) {
+            std::set<int>& before = before_[edge.stream];
+            if (before.count(edge.waits_for)) continue;
+            if (!reaches(edge.waits_for, edge.stream)) {
+                before.insert(edge.waits_for);
+                continue;
+            }
             findings_.error(edge.link.place,
                             "'{}' is part of the stream of '{}' and reads '{}', which is there "
                             "only when that stream "
                             "has ended; give it a stream of its own, from a second source node",
                             at(edge.reader).name, at(edge.stream).name,
                             output_name(edge.link.link));
-            edges_.erase(edges_.begin() + std::ptrdiff_t(i--));
         }
     }
 
@@ -209,19 +209,20 @@ class StreamChecker {
         FlatLink link;
     };
 
-    const MemberTable& table_;
+    const NodeTable& table_;
     Findings& findings_;
     std::vector<Selection> selections_{{}};
     std::vector<std::vector<Stream>> streams_;  // by node and output
     std::vector<int> member_;                   // the source whose stream a node is part of
     std::vector<std::set<int>> waits_;
     std::vector<Edge> edges_;
+    std::map<int, std::set<int>> before_;  // streams that must have ended before one starts
 };
 
 }  // namespace
 
-void check_streams(const MemberTable& table, const std::vector<int>& order, Findings& findings) {
+void check_streams(const NodeTable& table, const std::vector<int>& order, Findings& findings) {
     StreamChecker(table, findings).run(order);
 }
 
-}  // namespace weft
+}  // namespace weft::loading

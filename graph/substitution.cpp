@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace weft {
+namespace weft::loading {
 namespace {
 
 // Wider than what a parameter can be called, so that "$Width" gets to hear of 'width'.
@@ -28,7 +28,7 @@ std::optional<std::string> inner_text(const Json& value) {
 
 std::string written(const Piece& piece) {
     if (!piece.parameter) return doubled(piece.text);
-    return "${" + piece.text + (piece.stem ? ".stem}" : "}");
+    return fmt::format("${{{}{}}}", piece.text, piece.stem ? ".stem" : "");
 }
 
 // The expression of a text's stem, if it can be written down.
@@ -64,7 +64,7 @@ std::optional<std::string> inner_expression(const Bound& bound, bool take_stem) 
         return std::nullopt;
     }
     const Pieces pieces = take_apart(*plain);
-    return pieces.whole ? "${" + pieces.list[0].text + "}" : *plain;
+    return pieces.whole ? fmt::format("${{{}}}", pieces.list[0].text) : *plain;
 }
 
 Bound substitute_text(const Json& value, const Lookup& lookup) {
@@ -227,4 +227,4 @@ std::string kind_problem(const ParamDecl& from, const ParamDecl& to) {
     return "";
 }
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -10,7 +10,7 @@
 #include "graph/declaration.h"
 #include "graph/findings.h"
 
-namespace weft {
+namespace weft::loading {
 
 // A value as a node gets it, and as a flattened document would write it.
 struct Bound {
@@ -50,4 +50,4 @@ std::string_view stem(std::string_view path);
 // Whether a parameter of a graph can be given to a parameter of a node.
 std::string kind_problem(const ParamDecl& from, const ParamDecl& to);
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -14,7 +14,7 @@
 #include "graph/overrides.h"
 #include "graph/substitution.h"
 
-namespace weft {
+namespace weft::loading {
 
 // What a link leads to.
 struct Target {
@@ -82,7 +82,7 @@ struct FlatNode {
 // Types of ports by name: whether they are streams.
 using PortTypes = std::map<std::string, bool, std::less<>>;
 
-struct MemberTable {
+struct NodeTable {
     const Catalog* catalog = nullptr;
     PortTypes types;
     std::deque<Document> documents;
@@ -96,15 +96,15 @@ struct MemberTable {
 // The passes after Expander, in order.
 
 // Follows every link to the node it comes from; checks ports and types.
-void connect(MemberTable& table, bool for_run, Findings& findings);
+void connect(NodeTable& table, bool for_run, Findings& findings);
 // Nodes after those they read from; empty if there is a cycle.
-std::vector<int> order(const MemberTable& table, Findings& findings);
+std::vector<int> order(const NodeTable& table, Findings& findings);
 // Nodes that are there for nothing.
-void find_unread(const MemberTable& table, Findings& findings);
+void find_unread(const NodeTable& table, Findings& findings);
 // Streams meet only streams of their source and their selection of records.
-void check_streams(const MemberTable& table, const std::vector<int>& order, Findings& findings);
+void check_streams(const NodeTable& table, const std::vector<int>& order, Findings& findings);
 
 // "'write-image' is version 2 ..." or "".
 std::string pin_problem(const NodeDecl& decl, int pin);
 
-}  // namespace weft
+}  // namespace weft::loading

@@ -7,6 +7,8 @@
 namespace weft {
 namespace {
 
+using namespace loading;
+
 using test::Folder;
 using test::graph_of;
 using test::param;
