@@ -3,47 +3,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <fstream>
+#include <filesystem>
 
-#include "graph_of.h"
+#include "validator.h"
 
 namespace weft {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The interpreter that has jsonschema: the system's, before any other in the path.
-std::string python() {
-    for (const char* candidate : {"/usr/bin/python3", "python3"})
-        if (std::system((std::string(candidate) + " -c 'import jsonschema' 2>/dev/null").c_str()) ==
-            0)
-            return candidate;
-    return "";
-}
-
-const char* const validate = R"(
-import json, re, sys
-from jsonschema import Draft202012Validator
-schema = json.load(open(sys.argv[1]))
-Draft202012Validator.check_schema(schema)
-validator = Draft202012Validator(schema)
-for name in sys.argv[2:]:
-    text = re.sub(r'^// .*$', '', open(name).read(), flags=re.M)
-    errors = list(validator.iter_errors(json.loads(text)))
-    print(name.rsplit('/', 1)[1], 'no' if errors else 'yes')
-)";
-
-// "name yes" of each document that is valid.
 std::string verdicts(const test::Folder& folder, const std::vector<std::string>& documents) {
-    std::string command = python() + " " + folder.write("validate.py", validate) + " " +
-                          folder.write("schema.json", graph_schema(test::catalog()).dump(true));
-    for (const std::string& document : documents) command += " " + document;
-    command += " > " + (folder / "verdicts");
-    EXPECT_EQ(std::system(command.c_str()), 0);
-    std::ifstream in(folder / "verdicts");
-    return {std::istreambuf_iterator<char>(in), {}};
+    return test::verdicts(folder, graph_schema(test::catalog()), documents);
 }
 
 TEST(schema, says_of_every_node_what_its_declaration_says) {
@@ -59,7 +29,7 @@ TEST(schema, says_of_every_node_what_its_declaration_says) {
 }
 
 TEST(schema, accepts_what_the_checker_accepts) {
-    if (python().empty()) GTEST_SKIP() << "no python3 with jsonschema";
+    if (test::python_with_jsonschema().empty()) GTEST_SKIP() << "no python3 with jsonschema";
     const test::Folder folder;
     std::vector<std::string> documents{folder.write("full.json", R"({
           "$schema": "graph.schema.json",
@@ -99,7 +69,7 @@ TEST(schema, accepts_what_the_checker_accepts) {
 
 // A flattened document is one too.
 TEST(schema, accepts_flattened_documents) {
-    if (python().empty()) GTEST_SKIP() << "no python3 with jsonschema";
+    if (test::python_with_jsonschema().empty()) GTEST_SKIP() << "no python3 with jsonschema";
     const test::Folder folder;
     const Graph graph = test::graph_of(R"({"weft": 1,
       "parameters": {"out": {"type": "file", "default": "a.exr"}},
@@ -112,7 +82,7 @@ TEST(schema, accepts_flattened_documents) {
 }
 
 TEST(schema, refuses_what_is_wrong_in_form) {
-    if (python().empty()) GTEST_SKIP() << "no python3 with jsonschema";
+    if (test::python_with_jsonschema().empty()) GTEST_SKIP() << "no python3 with jsonschema";
     const test::Folder folder;
     const fs::path errors = fs::path(WEFT_SOURCE_DIR) / "tests/errors";
     // What is broken in these can be seen without following links or reading other files.
