@@ -100,6 +100,20 @@ TEST_F(Numpy, what_it_writes_otherwise_is_refused_with_the_way_out) {
     EXPECT_SAYS(says("s['z'] = np.zeros(N, dtype=[('a', 'f4')])"), "a.npz: 'z' is an array of records");
 }
 
+TEST_F(Numpy, the_lines_in_the_documentation_make_a_file) {
+    const std::string page = bytes_in(WEFT_SOURCE_DIR "/docs/formats.md");
+    const std::string fence = "```python\n";
+    std::string script;
+    for (size_t at = 0; (at = page.find(fence, at)) != std::string::npos; at += fence.size())
+        script += page.substr(at + fence.size(), page.find("```", at + 3) - at - fence.size());
+    must_run(script + "assert meta['width'] == 64 and xy.shape == (64 * 36 * 4, 2)\n");
+    const Samples s = read_file(folder / "mine.npz");
+    EXPECT_EQ(s.width, 64);
+    EXPECT_EQ(s.height, 36);
+    EXPECT_EQ(s.spp, 4);
+    EXPECT_FALSE(s.lens);
+}
+
 TEST_F(Numpy, it_reads_ours) {
     PlainContext ctx;
     for (const bool deflate : {false, true}) {
