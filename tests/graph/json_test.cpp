@@ -79,6 +79,17 @@ TEST(json, numbers_keep_their_bits) {
     EXPECT_EQ(parse(p.json.dump()).json, p.json);
 }
 
+TEST(json, numbers_are_the_nearest_doubles) {
+    const Parsed p = parse("[0e100, 8.41e21, 4.35, 2.2250738585072011e-308, 1e-999, 1.7976931348623157e308]");
+    ASSERT_EQ(p.json.items.size(), 6u);
+    EXPECT_EQ(p.json.items[0].number, 0);
+    EXPECT_EQ(p.json.items[1].number, 8.41e21);
+    EXPECT_EQ(p.json.items[2].number, 4.35);
+    EXPECT_EQ(p.json.items[3].number, 2.2250738585072011e-308);
+    EXPECT_EQ(p.json.items[4].number, 0);
+    EXPECT_EQ(p.json.items[5].number, 1.7976931348623157e308);
+}
+
 TEST(json, dump_reads_back_equal_on_one_line_and_indented) {
     const Parsed p =
         parse(R"({"a": "quote \" back \\ bell \u0007 ü", "b": [[1, 2], {"c": {}}], "d": []})");
