@@ -16,20 +16,33 @@ namespace {
 enum class Fault { radiance, negative, depth, lens, light, time, place, finite, nan };
 
 // Whether samples with this fault are dropped, and whether they count against `tolerate`.
-bool drops(Fault f) { return f != Fault::negative && f != Fault::nan; }
-bool counts(Fault f) { return drops(f) && f != Fault::radiance; }
+bool drops(Fault f) {
+    return f != Fault::negative && f != Fault::nan;
+}
+bool counts(Fault f) {
+    return drops(f) && f != Fault::radiance;
+}
 
 std::string_view words(Fault f) {
     switch (f) {
-        case Fault::radiance: return "radiance is NaN or infinite";
-        case Fault::negative: return "radiance is negative";
-        case Fault::depth: return "depth is NaN or not above 0";
-        case Fault::lens: return "lens position lies outside the unit disk";
-        case Fault::light: return "position on the light lies outside [-1, 1]";
-        case Fault::time: return "time lies outside [0, 1]";
-        case Fault::place: return "position lies more than a pixel outside its pixel";
-        case Fault::finite: return "value is NaN or infinite";
-        case Fault::nan: break;
+        case Fault::radiance:
+            return "radiance is NaN or infinite";
+        case Fault::negative:
+            return "radiance is negative";
+        case Fault::depth:
+            return "depth is NaN or not above 0";
+        case Fault::lens:
+            return "lens position lies outside the unit disk";
+        case Fault::light:
+            return "position on the light lies outside [-1, 1]";
+        case Fault::time:
+            return "time lies outside [0, 1]";
+        case Fault::place:
+            return "position lies more than a pixel outside its pixel";
+        case Fault::finite:
+            return "value is NaN or infinite";
+        case Fault::nan:
+            break;
     }
     return "value is NaN";
 }
@@ -39,28 +52,40 @@ struct Check {
     Fault fault;
 };
 
-bool is_finite(float v) { return (std::bit_cast<std::uint32_t>(v) & 0x7f800000u) != 0x7f800000u; }
+bool is_finite(float v) {
+    return (std::bit_cast<std::uint32_t>(v) & 0x7f800000u) != 0x7f800000u;
+}
 
 constexpr float slack = 1e-3f;
 
 // One sample's values against one fault; written so that NaN is a fault too.
 bool is_bad(Fault fault, const float* v) {
     switch (fault) {
-        case Fault::depth: return !(*v > 0);
-        case Fault::time: return !(*v >= 0 && *v <= 1);
-        case Fault::lens: return !(v[0] * v[0] + v[1] * v[1] <= (1 + slack) * (1 + slack));
-        case Fault::light: return !(std::abs(v[0]) <= 1 + slack && std::abs(v[1]) <= 1 + slack);
-        case Fault::negative: return *v < 0;
-        case Fault::nan: return *v != *v;
+        case Fault::depth:
+            return !(*v > 0);
+        case Fault::time:
+            return !(*v >= 0 && *v <= 1);
+        case Fault::lens:
+            return !(v[0] * v[0] + v[1] * v[1] <= (1 + slack) * (1 + slack));
+        case Fault::light:
+            return !(std::abs(v[0]) <= 1 + slack && std::abs(v[1]) <= 1 + slack);
+        case Fault::negative:
+            return *v < 0;
+        case Fault::nan:
+            return *v != *v;
         case Fault::radiance:
-        case Fault::finite: return !is_finite(*v);
-        case Fault::place: break;
+        case Fault::finite:
+            return !is_finite(*v);
+        case Fault::place:
+            break;
     }
     return false;
 }
 
 // Faults of a pair of values; the others are looked for in each component.
-bool is_of_pair(Fault f) { return f == Fault::lens || f == Fault::light; }
+bool is_of_pair(Fault f) {
+    return f == Fault::lens || f == Fault::light;
+}
 
 bool is_misplaced(const float* xy, float x, float y) {
     return !(xy[0] >= x - 1 && xy[0] <= x + 2 && xy[1] >= y - 1 && xy[1] <= y + 2);
@@ -145,14 +170,22 @@ class Checker {
         const size_t values = (end - begin) * components;
         switch (check.fault) {
             case Fault::radiance:
-            case Fault::finite: return !any<Fault::finite>(v, values, 1);
-            case Fault::negative: return !any<Fault::negative>(v, values, 1);
-            case Fault::nan: return !any<Fault::nan>(v, values, 1);
-            case Fault::depth: return !any<Fault::depth>(v, values, 1);
-            case Fault::time: return !any<Fault::time>(v, values, 1);
-            case Fault::lens: return !any<Fault::lens>(v, end - begin, 2);
-            case Fault::light: return !any<Fault::light>(v, end - begin, 2);
-            case Fault::place: break;
+            case Fault::finite:
+                return !any<Fault::finite>(v, values, 1);
+            case Fault::negative:
+                return !any<Fault::negative>(v, values, 1);
+            case Fault::nan:
+                return !any<Fault::nan>(v, values, 1);
+            case Fault::depth:
+                return !any<Fault::depth>(v, values, 1);
+            case Fault::time:
+                return !any<Fault::time>(v, values, 1);
+            case Fault::lens:
+                return !any<Fault::lens>(v, end - begin, 2);
+            case Fault::light:
+                return !any<Fault::light>(v, end - begin, 2);
+            case Fault::place:
+                break;
         }
         bool bad = false;
         for_each_pixel(begin, end, [&](size_t from, size_t to, float x, float y) {
@@ -181,8 +214,10 @@ class Checker {
         const auto visit = [&](size_t from, size_t to, float x, float y) {
             for (size_t i = from; i < to; ++i) list_one(i, x, y, found);
         };
-        if (samples_.domain == "light") visit(begin, end, 0, 0);
-        else for_each_pixel(begin, end, visit);
+        if (samples_.domain == "light")
+            visit(begin, end, 0, 0);
+        else
+            for_each_pixel(begin, end, visit);
     }
 
     void list_one(size_t sample, float x, float y, Findings& found) const {
@@ -192,8 +227,10 @@ class Checker {
             const auto components = size_t(check.channel->components);
             const float* v = check.channel->values.view().data() + sample * components;
             bool bad = false;
-            if (check.fault == Fault::place) bad = is_misplaced(v, x, y);
-            else if (is_of_pair(check.fault)) bad = is_bad(check.fault, v);
+            if (check.fault == Fault::place)
+                bad = is_misplaced(v, x, y);
+            else if (is_of_pair(check.fault))
+                bad = is_bad(check.fault, v);
             else
                 for (size_t c = 0; c < components; ++c) bad |= is_bad(check.fault, v + c);
             if (!bad) continue;
@@ -249,15 +286,17 @@ void check_samples(Samples& samples, const std::string& file, double tolerate, C
             if (found.of_check[k].count && counts(checker.checks()[k].fault))
                 reasons += (reasons.empty() ? "" : ". ") +
                            describe(samples, checker.checks()[k], found.of_check[k]);
-        throw Error(fmt::format("{}: {} of {} samples ({:.3g} %) cannot be used, more than the "
-                                "{:.3g} % tolerated. {}. Render again, or set 'tolerate' of "
-                                "read-samples higher",
-                                file, found.counted, samples.size(), 100 * part, 100 * tolerate,
-                                reasons));
+        throw Error(
+            fmt::format("{}: {} of {} samples ({:.3g} %) cannot be used, more than the "
+                        "{:.3g} % tolerated. {}. Render again, or set 'tolerate' of "
+                        "read-samples higher",
+                        file, found.counted, samples.size(), 100 * part, 100 * tolerate, reasons));
     }
     if (found.dropped.size() == samples.size())
-        throw Error(fmt::format("{}: no sample can be used: every one has a value that is NaN, "
-                                "infinite or out of range", file));
+        throw Error(
+            fmt::format("{}: no sample can be used: every one has a value that is NaN, "
+                        "infinite or out of range",
+                        file));
     for (size_t k = 0; k < found.of_check.size(); ++k)
         if (found.of_check[k].count)
             ctx.warn(fmt::format("{}: {} ({})", file,

@@ -1,4 +1,5 @@
-// Numbers of files to floats, many at once: plain loops without branches, for the compiler to widen.
+// Numbers of files to floats, many at once: plain loops without branches, for the compiler to
+// widen.
 #pragma once
 #include <cstdint>
 #include <span>

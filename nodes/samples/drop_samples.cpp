@@ -43,8 +43,10 @@ void drop_samples(Samples& samples, std::span<const size_t> dropped) {
     }
     samples.spp = 0;
     for (Channel& c : samples.channels) {
-        if (c.whole()) c.ids = without(c.ids, size_t(c.components), dropped);
-        else c.values = without(c.values, size_t(c.components), dropped);
+        if (c.whole())
+            c.ids = without(c.ids, size_t(c.components), dropped);
+        else
+            c.values = without(c.values, size_t(c.components), dropped);
     }
     samples.set_size(samples.size() - dropped.size());
 }

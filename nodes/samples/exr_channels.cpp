@@ -14,9 +14,9 @@ struct Known {
     int part;
 };
 constexpr std::array known = {
-    Known{"R", "rgb", 0}, Known{"G", "rgb", 1}, Known{"B", "rgb", 2},   Known{"A", "alpha", 0},
-    Known{"Z", "z", 0},   Known{"x", "xy", 0},  Known{"y", "xy", 1},    Known{"u", "uv", 0},
-    Known{"v", "uv", 1},
+    Known{"R", "rgb", 0},   Known{"G", "rgb", 1}, Known{"B", "rgb", 2},
+    Known{"A", "alpha", 0}, Known{"Z", "z", 0},   Known{"x", "xy", 0},
+    Known{"y", "xy", 1},    Known{"u", "uv", 0},  Known{"v", "uv", 1},
 };
 
 constexpr std::string_view colors = "RGBA", axes = "xyzw", small_colors = "rgba";

@@ -98,7 +98,9 @@ class HeaderReader {
     }
 
     void read_window(Bytes value, ExrHeader& header) const {
-        const auto at = [&](size_t i) { return std::int64_t(number_at<std::int32_t>(value, 4 * i)); };
+        const auto at = [&](size_t i) {
+            return std::int64_t(number_at<std::int32_t>(value, 4 * i));
+        };
         const std::int64_t width = at(2) - at(0) + 1, height = at(3) - at(1) + 1;
         if (width < 1 || height < 1 || width > 1 << 30 || height > 1 << 30)
             fail(fmt::format("its data window has {} x {} pixels", width, height));
@@ -123,9 +125,12 @@ class HeaderReader {
             const std::uint32_t type = u32(value, 0);
             if (type > 2) fail(fmt::format("channel '{}' has unknown type {}", channel.name, type));
             if (u32(value, 8) != 1 || u32(value, 12) != 1)
-                fail(fmt::format("channel '{}' is not there in every pixel; deep samples need it to be",
-                                 channel.name));
-            channel.type = type == 0 ? ExrPixel::uint : type == 1 ? ExrPixel::half : ExrPixel::single;
+                fail(fmt::format(
+                    "channel '{}' is not there in every pixel; deep samples need it to be",
+                    channel.name));
+            channel.type = type == 0   ? ExrPixel::uint
+                           : type == 1 ? ExrPixel::half
+                                       : ExrPixel::single;
             channels.push_back(std::move(channel));
             value = value.subspan(16);
         }
@@ -146,7 +151,8 @@ class HeaderReader {
                 if (part.offsets.size() != size_t(part.height))
                     fail(fmt::format("it has {} chunks for {} lines of deep samples",
                                      part.offsets.size(), part.height));
-                for (size_t i = 0; i < part.offsets.size(); ++i) part.offsets[i] = u64(rest_, 8 * i);
+                for (size_t i = 0; i < part.offsets.size(); ++i)
+                    part.offsets[i] = u64(rest_, 8 * i);
                 found = part;
             }
             rest_ = rest_.subspan(8 * part.offsets.size());
@@ -157,8 +163,9 @@ class HeaderReader {
             fail(fmt::format("no deep scanline part in this EXR (it has: {})", types));
         }
         if (found->compression > 2)
-            fail(fmt::format("deep samples packed by method {}; this program reads none, RLE and ZIPS",
-                             found->compression));
+            fail(fmt::format(
+                "deep samples packed by method {}; this program reads none, RLE and ZIPS",
+                found->compression));
         return std::move(*found);
     }
 
@@ -168,10 +175,16 @@ class HeaderReader {
 
 }  // namespace
 
-bool is_exr(const FileBytes& file) { return file.bytes.size() >= 8 && u32(file.bytes, 0) == magic; }
+bool is_exr(const FileBytes& file) {
+    return file.bytes.size() >= 8 && u32(file.bytes, 0) == magic;
+}
 
-bool is_deep_exr(const FileBytes& file) { return is_exr(file) && (u32(file.bytes, 4) & flag_deep); }
+bool is_deep_exr(const FileBytes& file) {
+    return is_exr(file) && (u32(file.bytes, 4) & flag_deep);
+}
 
-ExrHeader read_exr_header(const FileBytes& file) { return HeaderReader(file).read(); }
+ExrHeader read_exr_header(const FileBytes& file) {
+    return HeaderReader(file).read();
+}
 
 }  // namespace weft

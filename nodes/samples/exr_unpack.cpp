@@ -17,8 +17,10 @@ bool unpack_rle(std::span<const std::uint8_t> packed, std::span<std::uint8_t> pl
         const size_t length = count < 0 ? size_t(-count) : size_t(count) + 1;
         const size_t taken = count < 0 ? length : 1;
         if (taken > packed.size() || length > plain.size()) return false;
-        if (count < 0) std::memcpy(plain.data(), packed.data(), length);
-        else std::memset(plain.data(), packed[0], length);
+        if (count < 0)
+            std::memcpy(plain.data(), packed.data(), length);
+        else
+            std::memset(plain.data(), packed[0], length);
         packed = packed.subspan(taken);
         plain = plain.subspan(length);
     }
@@ -26,8 +28,8 @@ bool unpack_rle(std::span<const std::uint8_t> packed, std::span<std::uint8_t> pl
 }
 
 bool unpack_zip(std::span<const std::uint8_t> packed, std::span<std::uint8_t> plain) {
-    const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
-        libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+    const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
+        inflater(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
     if (!inflater) throw std::bad_alloc();
     return libdeflate_zlib_decompress(inflater.get(), packed.data(), packed.size(), plain.data(),
                                       plain.size(), nullptr) == LIBDEFLATE_SUCCESS;
@@ -53,6 +55,8 @@ bool exr_unpack(ExrPacking packing, std::span<const std::uint8_t> packed,
     return true;
 }
 
-std::uint64_t exr_unpacked_limit(std::uint64_t packed) { return 1032 * packed; }
+std::uint64_t exr_unpacked_limit(std::uint64_t packed) {
+    return 1032 * packed;
+}
 
 }  // namespace weft

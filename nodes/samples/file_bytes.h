@@ -1,7 +1,7 @@
 // FileBytes: what a file holds, where it lies. A file on disk is mapped, so that nothing is read
 // before it is looked at and what is looked at is no memory of ours; tests and fuzzers bring bytes.
-// A file that somebody cuts short while it is mapped ends the program (SIGBUS), as with any mapping;
-// files that Weft writes are replaced whole and never cut.
+// A file that somebody cuts short while it is mapped ends the program (SIGBUS), as with any
+// mapping; files that Weft writes are replaced whole and never cut.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -12,10 +12,10 @@
 namespace weft {
 
 struct FileBytes {
-    std::string name;                      // for messages; where readers look for a sibling
+    std::string name;  // for messages; where readers look for a sibling
     std::span<const std::uint8_t> bytes;
-    std::shared_ptr<const void> owner;     // keeps `bytes` there; null: the caller does
-    bool on_disk = false;                  // `name` is a path
+    std::shared_ptr<const void> owner;  // keeps `bytes` there; null: the caller does
+    bool on_disk = false;               // `name` is a path
 
     std::string_view text() const {
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -15,8 +15,21 @@ namespace weft {
 namespace {
 
 enum : size_t {
-    x = 0, w = 2, u = 3, t = 5, r = 6, pri_mv = 9, pri_normal = 12, albedo = 15, sec_origin = 18,
-    sec_hitpoint = 21, sec_mv = 24, sec_normal = 27, direct = 30, sec_albedo = 33, sec_direct = 36,
+    x = 0,
+    w = 2,
+    u = 3,
+    t = 5,
+    r = 6,
+    pri_mv = 9,
+    pri_normal = 12,
+    albedo = 15,
+    sec_origin = 18,
+    sec_hitpoint = 21,
+    sec_mv = 24,
+    sec_normal = 27,
+    direct = 30,
+    sec_albedo = 33,
+    sec_direct = 36,
     width = 39
 };
 
@@ -58,26 +71,30 @@ bool invert(const Matrix& m, Matrix& inverse) {
         const size_t a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
         return m[a][c] * m[b][d] - m[a][d] * m[b][c];
     };
-    const double det = m[0][0] * minor_of(0, 0) + m[0][1] * minor_of(0, 1) + m[0][2] * minor_of(0, 2);
+    const double det =
+        m[0][0] * minor_of(0, 0) + m[0][1] * minor_of(0, 1) + m[0][2] * minor_of(0, 2);
     if (!std::isfinite(det) || det == 0) return false;
     for (size_t i = 0; i < 3; ++i)
         for (size_t j = 0; j < 3; ++j) inverse[j][i] = minor_of(i, j) / det;
     return true;
 }
 
-// M's columns for x, y and 1 make the point in focus that a pixel sees: a ray's direction D (x, y, 1).
-// A camera point p is l D (x, y, 1) for some l, so (x z, y z, z) = f D^-1 p with f the depth in focus.
+// M's columns for x, y and 1 make the point in focus that a pixel sees: a ray's direction D (x, y,
+// 1). A camera point p is l D (x, y, 1) for some l, so (x z, y z, z) = f D^-1 p with f the depth in
+// focus.
 Matrix camera_to_pixel(const RecordHeader& header, const std::string& file) {
     const auto& m = header.pixel_to_camera;
     Matrix directions, inverse{};
     const double scale = m[15];
     for (size_t i = 0; i < 3; ++i)
         directions[i] = {m[4 * i] / scale, m[4 * i + 1] / scale, m[4 * i + 3] / scale};
-    const double focus = directions[2][0] * header.width / 2 + directions[2][1] * header.height / 2 +
-                         directions[2][2];
+    const double focus = directions[2][0] * header.width / 2 +
+                         directions[2][1] * header.height / 2 + directions[2][2];
     if (m[12] != 0 || m[13] != 0 || scale == 0 || focus == 0 || !invert(directions, inverse))
-        throw Error(fmt::format("{}: its pixel-to-camera matrix does not take pixels to a plane before "
-                                "the camera, so depth cannot be told", file));
+        throw Error(
+            fmt::format("{}: its pixel-to-camera matrix does not take pixels to a plane before "
+                        "the camera, so depth cannot be told",
+                        file));
     for (Vector& row : inverse)
         for (double& value : row) value *= std::abs(focus);
     return inverse;
@@ -162,9 +179,11 @@ Samples read_ilfr(const RecordFiles& files, const RecordHeader& header, const Re
     samples.meta.set("camera", camera_json(header, to_pixel));
     for (const Field& field : fields)
         if (is_wanted(options, field.channel))
-            samples.add(Channel{std::string(field.channel), int(field.components),
+            samples.add(Channel{std::string(field.channel),
+                                int(field.components),
                                 standard_role(field.channel),
-                                columns(records, width, field.first, field.components, ctx), {}});
+                                columns(records, width, field.first, field.components, ctx),
+                                {}});
 
     std::vector<float> z(samples.size()), motion(3 * samples.size());
     ctx.parallel(samples.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
@@ -189,9 +208,10 @@ Samples read_ilfr(const RecordFiles& files, const RecordHeader& header, const Re
 
 void write_ilfr(const Samples& samples, const std::string& path, bool text, Context& ctx) {
     check_record_writable(samples, path, SampleFormat::ilfr,
-                          {"xy", "uv", "t", "z", "motion", "rgb", "bandwidth", "primary_motion", "normal",
-                           "albedo", "position", "position2", "secondary_motion", "normal2", "direct",
-                           "albedo2", "secondary_direct"}, ctx);
+                          {"xy", "uv", "t", "z", "motion", "rgb", "bandwidth", "primary_motion",
+                           "normal", "albedo", "position", "position2", "secondary_motion",
+                           "normal2", "direct", "albedo2", "secondary_direct"},
+                          ctx);
     RecordHeader header;
     header.kind = RecordKind::ilfr;
     header.width = samples.width;
@@ -202,8 +222,10 @@ void write_ilfr(const Samples& samples, const std::string& path, bool text, Cont
     const auto as_read = matrix_as_read(samples);
     header.pixel_to_camera = as_read ? *as_read : matrix_of_pixels(samples);
     if (!as_read && samples.find("position"))
-        ctx.warn(fmt::format("{}: written in a camera space of pixels, in which depth and motion are exact; "
-                             "'position' is made from xy and z", path));
+        ctx.warn(fmt::format(
+            "{}: written in a camera space of pixels, in which depth and motion are exact; "
+            "'position' is made from xy and z",
+            path));
 
     size_t lost_motion = 0;
     write_records(path, header, ctx, [&](size_t i, std::span<float> record) {
@@ -215,8 +237,10 @@ void write_ilfr(const Samples& samples, const std::string& path, bool text, Cont
         if (!as_read) put_point(samples, i, record, lost_motion);
     });
     if (lost_motion > 0)
-        ctx.warn(fmt::format("{}: ILFR 2.2 holds no motion of what is infinitely far: that of {} sample{} "
-                             "is written as 0", path, lost_motion, lost_motion == 1 ? "" : "s"));
+        ctx.warn(fmt::format(
+            "{}: ILFR 2.2 holds no motion of what is infinitely far: that of {} sample{} "
+            "is written as 0",
+            path, lost_motion, lost_motion == 1 ? "" : "s"));
 }
 
 }  // namespace weft

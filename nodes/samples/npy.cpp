@@ -25,10 +25,14 @@ class Header {
         while (!take('}')) {
             const std::string_view key = quoted();
             expect(':');
-            if (key == "descr") descr = read_descr(array);
-            else if (key == "fortran_order") order = read_order();
-            else if (key == "shape") shape = read_shape(array);
-            else fail();
+            if (key == "descr")
+                descr = read_descr(array);
+            else if (key == "fortran_order")
+                order = read_order();
+            else if (key == "shape")
+                shape = read_shape(array);
+            else
+                fail();
             if (!take(',')) {
                 expect('}');
                 break;
@@ -73,11 +77,14 @@ class Header {
             throw Error(fmt::format("{} is big-endian ('{}'); save it with .astype('<{}')", what_,
                                     descr, type));
         if (type == "O")
-            throw Error(what_ + " is an array of Python objects; save numbers (f2, f4, f8, u1, u2, u4)");
+            throw Error(what_ +
+                        " is an array of Python objects; save numbers (f2, f4, f8, u1, u2, u4)");
         if (type != "f2" && type != "f4" && type != "f8" && type != "u1" && type != "u2" &&
             type != "u4")
-            throw Error(fmt::format("{} has type '{}'; expected f2, f4, f8, u1, u2 or u4: save it "
-                                    "with .astype('f4') or .astype('u4')", what_, descr));
+            throw Error(
+                fmt::format("{} has type '{}'; expected f2, f4, f8, u1, u2 or u4: save it "
+                            "with .astype('f4') or .astype('u4')",
+                            what_, descr));
         array.kind = type[0];
         array.item_size = type[1] - '0';
         return true;
@@ -177,7 +184,8 @@ Array<float> npy_floats(const Npy& array, const std::shared_ptr<const void>& own
     if (array.item_size == 8) return converted<float>(array, ctx, whole(double{}));
     if (array.item_size == 2) return converted<float>(array, ctx, &floats_from_halves);
     if (lies_right<float>(array.data))
-        return {{reinterpret_cast<const float*>(array.data.data()), size_t(array.numbers())}, owner};
+        return {{reinterpret_cast<const float*>(array.data.data()), size_t(array.numbers())},
+                owner};
     return converted<float>(array, ctx, whole(float{}));
 }
 
@@ -193,13 +201,14 @@ Array<std::uint32_t> npy_whole(const Npy& array, const std::shared_ptr<const voi
     if (array.item_size == 1) return converted<Whole>(array, ctx, widened(std::uint8_t{}));
     if (array.item_size == 2) return converted<Whole>(array, ctx, widened(std::uint16_t{}));
     if (lies_right<Whole>(array.data))
-        return {{reinterpret_cast<const Whole*>(array.data.data()), size_t(array.numbers())}, owner};
+        return {{reinterpret_cast<const Whole*>(array.data.data()), size_t(array.numbers())},
+                owner};
     return converted<Whole>(array, ctx, widened(Whole{}));
 }
 
 std::string npy_header(std::string_view descr, const std::vector<std::uint64_t>& shape) {
-    std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", descr,
-                                   shape_text(shape));
+    std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}",
+                                   descr, shape_text(shape));
     const size_t used = 10 + text.size() + 1;
     text.append((64 - used % 64) % 64, ' ');
     text += '\n';

@@ -13,14 +13,15 @@ namespace weft {
 class Context;
 
 struct Npy {
-    char kind = 0;                       // 'f' or 'u'
-    int item_size = 0;                   // bytes of a number
+    char kind = 0;      // 'f' or 'u'
+    int item_size = 0;  // bytes of a number
     std::vector<std::uint64_t> shape;
     std::span<const std::uint8_t> data;  // exactly the product of shape and item_size
     std::uint64_t numbers() const { return data.size() / size_t(item_size); }
 };
 
-// Throws Error beginning with `what` ("a.npz: 'xy'") when it is no such array, or one of another kind.
+// Throws Error beginning with `what` ("a.npz: 'xy'") when it is no such array, or one of another
+// kind.
 Npy parse_npy(std::span<const std::uint8_t> bytes, const std::string& what);
 
 // "(460800, 2)", as numpy writes it.

@@ -67,8 +67,8 @@ class DeepReader {
             used += chunk.counts.size() + chunk.samples.size();
             counts += chunk.counts.size();
             if (chunk.unpacked > exr_unpacked_limit(chunk.samples.size()))
-                fail(fmt::format("line {} says it holds {} bytes, which {} packed bytes cannot", line,
-                                 chunk.unpacked, chunk.samples.size()));
+                fail(fmt::format("line {} says it holds {} bytes, which {} packed bytes cannot",
+                                 line, chunk.unpacked, chunk.samples.size()));
             chunks_.push_back(chunk);
         }
         if (used > file_.bytes.size()) fail("its lines overlap; the file is damaged");
@@ -89,11 +89,13 @@ class DeepReader {
         rest = rest.subspan(number);
         if (number_at<std::int32_t>(rest, 0) != std::int64_t(header_.y0) + std::int64_t(line))
             fail(fmt::format("line {} is not where the table says; the file is damaged", line));
-        const std::uint64_t counts = u64(rest, 4), samples = u64(rest, 12), unpacked = u64(rest, 20);
+        const std::uint64_t counts = u64(rest, 4), samples = u64(rest, 12),
+                            unpacked = u64(rest, 20);
         rest = rest.subspan(28);
         if (counts > rest.size() || samples > rest.size() - counts)
             fail(fmt::format("line {} lies outside the file; it is cut short or damaged", line));
-        return {rest.subspan(0, size_t(counts)), rest.subspan(size_t(counts), size_t(samples)), unpacked};
+        return {rest.subspan(0, size_t(counts)), rest.subspan(size_t(counts), size_t(samples)),
+                unpacked};
     }
 
     // Runs work(line, scratch) for all lines; of several failures the first line's is told.
@@ -120,8 +122,8 @@ class DeepReader {
             if (!exr_unpack(ExrPacking(header_.compression), chunks_[line].counts,
                             {reinterpret_cast<std::uint8_t*>(of_line.data()), of_line.size_bytes()},
                             scratch))
-                fail(fmt::format("the sample counts of line {} cannot be unpacked; the file is damaged",
-                                 line));
+                fail(fmt::format(
+                    "the sample counts of line {} cannot be unpacked; the file is damaged", line));
             if (!std::is_sorted(of_line.begin(), of_line.end()))
                 fail(fmt::format("the sample counts of line {} don't add up", line));
             const std::uint64_t bytes = std::uint64_t(of_line.back()) * bytes_of_sample();
@@ -133,7 +135,8 @@ class DeepReader {
         std::uint64_t before = 0;
         for (size_t line = 0; line < height(); ++line) {
             first_.push_back(before);
-            for (size_t x = 0; x < width(); ++x) first_.push_back(before + sums[line * width() + x]);
+            for (size_t x = 0; x < width(); ++x)
+                first_.push_back(before + sums[line * width() + x]);
             before = first_.back();
             first_.pop_back();
         }
@@ -150,8 +153,8 @@ class DeepReader {
         if (!header_.meta.empty()) {
             read_meta(header_.meta, file_.name, samples);
             if (samples.width != header_.width || samples.height != header_.height)
-                fail(fmt::format("meta says {} x {} pixels, the data window has {} x {}", samples.width,
-                                 samples.height, header_.width, header_.height));
+                fail(fmt::format("meta says {} x {} pixels, the data window has {} x {}",
+                                 samples.width, samples.height, header_.width, header_.height));
         }
         samples.width = header_.width;
         samples.height = header_.height;
@@ -216,27 +219,33 @@ class DeepReader {
         return text;
     }
 
-    void make_values(Channel& channel, const std::vector<std::pair<int, size_t>>& parts, size_t samples,
-                     std::vector<Target>& targets) const {
+    void make_values(Channel& channel, const std::vector<std::pair<int, size_t>>& parts,
+                     size_t samples, std::vector<Target>& targets) const {
         const size_t count = samples * parts.size();
-        const bool whole = std::all_of(parts.begin(), parts.end(), [&](const auto& part) {
-            return header_.channels[part.second].type == ExrPixel::uint;
-        }) && !is_basic_channel(channel.name);
+        const bool whole =
+            std::all_of(parts.begin(), parts.end(),
+                        [&](const auto& part) {
+                            return header_.channels[part.second].type == ExrPixel::uint;
+                        }) &&
+            !is_basic_channel(channel.name);
         const std::shared_ptr<float[]> values(whole ? nullptr : new float[count]);
         const std::shared_ptr<std::uint32_t[]> ids(whole ? new std::uint32_t[count] : nullptr);
         for (const auto& [part, i] : parts) {
             targets[i] = {header_.channels[i].type, whole ? nullptr : values.get() + part,
                           whole ? ids.get() + part : nullptr, parts.size()};
         }
-        if (whole) channel.ids = {std::span<const std::uint32_t>(ids.get(), count), ids};
-        else channel.values = {std::span<const float>(values.get(), count), values};
+        if (whole)
+            channel.ids = {std::span<const std::uint32_t>(ids.get(), count), ids};
+        else
+            channel.values = {std::span<const float>(values.get(), count), values};
     }
 
     void read_lines(const std::vector<Target>& targets) {
         for_lines([&](size_t line, std::vector<std::uint8_t>& scratch) {
             std::vector<std::uint8_t> plain(size_t(chunks_[line].unpacked));
             if (!exr_unpack(ExrPacking(header_.compression), chunks_[line].samples, plain, scratch))
-                fail(fmt::format("the samples of line {} cannot be unpacked; the file is damaged", line));
+                fail(fmt::format("the samples of line {} cannot be unpacked; the file is damaged",
+                                 line));
             const auto begin = size_t(first_[line * width()]);
             const size_t count = size_t(first_[(line + 1) * width()]) - begin;
             Bytes rest = plain;
@@ -251,11 +260,16 @@ class DeepReader {
     static void fill(const Target& target, size_t begin, Bytes from, size_t count) {
         for (size_t i = 0; i < count; ++i) {
             const size_t to = (begin + i) * target.stride;
-            if (target.ids) target.ids[to] = u32(from, 4 * i);
-            else if (!target.values) return;
-            else if (target.type == ExrPixel::half) target.values[to] = float_from_half(u16(from, 2 * i));
-            else if (target.type == ExrPixel::uint) target.values[to] = float(u32(from, 4 * i));
-            else target.values[to] = number_at<float>(from, 4 * i);
+            if (target.ids)
+                target.ids[to] = u32(from, 4 * i);
+            else if (!target.values)
+                return;
+            else if (target.type == ExrPixel::half)
+                target.values[to] = float_from_half(u16(from, 2 * i));
+            else if (target.type == ExrPixel::uint)
+                target.values[to] = float(u32(from, 4 * i));
+            else
+                target.values[to] = number_at<float>(from, 4 * i);
         }
     }
 
@@ -268,8 +282,10 @@ class DeepReader {
                 xy.push_back(float(pixel / width()) + 0.5f);
             }
         samples.add("xy", 2, std::move(xy));
-        ctx_.warn(fmt::format("{}: no channels x, y: samples are taken to lie at their pixels' centres; "
-                              "reconstruction from true positions is sharper", file_.name));
+        ctx_.warn(
+            fmt::format("{}: no channels x, y: samples are taken to lie at their pixels' centres; "
+                        "reconstruction from true positions is sharper",
+                        file_.name));
     }
 
     const FileBytes& file_;

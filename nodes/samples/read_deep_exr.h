@@ -1,6 +1,6 @@
 // Reading deep EXR: one deep sample is one camera sample (docs/formats.md). Lines are unpacked side
-// by side. Departure: the chunks are read by our own code and not through the OpenEXR library, whose
-// deep reader of this age trusts the sizes that it finds in a file.
+// by side. Departure: the chunks are read by our own code and not through the OpenEXR library,
+// whose deep reader of this age trusts the sizes that it finds in a file.
 #pragma once
 #include "samples/sample_file.h"
 

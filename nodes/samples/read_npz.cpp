@@ -52,7 +52,8 @@ class NpzReader {
         std::vector<std::string_view> have;
         for (const ZipMember& m : members_) have.push_back(channel_of(m));
         fail(fmt::format("no member '{}'; a sample file has meta, xy, rgb and more, this has {}",
-                         channel, have.empty() ? "none" : fmt::format("{}", fmt::join(have, ", "))));
+                         channel,
+                         have.empty() ? "none" : fmt::format("{}", fmt::join(have, ", "))));
     }
     std::string what(std::string_view channel) const {
         return fmt::format("{}: '{}'", file_.name, channel);
@@ -62,8 +63,9 @@ class NpzReader {
         const FileBytes bytes = zip_bytes(file_, need("meta"));
         const Npy array = parse_npy(bytes.bytes, what("meta"));
         if (array.kind != 'u' || array.item_size != 1 || array.shape.size() > 1)
-            fail(fmt::format("'meta' is {} numbers of {} bytes; expected JSON text as an array of u1",
-                             shape_text(array.shape), array.item_size));
+            fail(fmt::format(
+                "'meta' is {} numbers of {} bytes; expected JSON text as an array of u1",
+                shape_text(array.shape), array.item_size));
         return {reinterpret_cast<const char*>(array.data.data()), array.data.size()};
     }
 
@@ -90,17 +92,20 @@ class NpzReader {
         if (count && samples.domain == "camera") return read_count(*count, samples);
         if (samples.spp > 0) {
             std::uint64_t size = samples.pixels();
-            if (__builtin_mul_overflow(size, std::uint64_t(samples.spp), &size) || size > SIZE_MAX / 64)
+            if (__builtin_mul_overflow(size, std::uint64_t(samples.spp), &size) ||
+                size > SIZE_MAX / 64)
                 fail(fmt::format("meta: {} x {} pixels of {} samples are more than any file holds",
                                  samples.width, samples.height, samples.spp));
             return size_t(size);
         }
         if (samples.domain == "camera")
-            fail("meta: 'spp' is null, so samples a pixel vary; then a member 'count' (height, width) "
-                 "of type u4 must say how many each has");
+            fail(
+                "meta: 'spp' is null, so samples a pixel vary; then a member 'count' (height, "
+                "width) of type u4 must say how many each has");
         const FileBytes bytes = zip_bytes(file_, need("xy"));
         const Npy xy = parse_npy(bytes.bytes, what("xy"));
-        if (xy.shape.size() != 2) fail(fmt::format("'xy' is {}; expected (N, 2)", shape_text(xy.shape)));
+        if (xy.shape.size() != 2)
+            fail(fmt::format("'xy' is {}; expected (N, 2)", shape_text(xy.shape)));
         return size_t(xy.shape[0]);
     }
 
@@ -109,17 +114,20 @@ class NpzReader {
         const Npy array = parse_npy(bytes.bytes, what("count"));
         const auto height = std::uint64_t(samples.height), width = std::uint64_t(samples.width);
         if (array.kind != 'u' || array.shape != std::vector{height, width})
-            fail(fmt::format("'count' is {}{} {}; expected u4 ({}, {})", array.kind, array.item_size,
-                             shape_text(array.shape), height, width));
+            fail(fmt::format("'count' is {}{} {}; expected u4 ({}, {})", array.kind,
+                             array.item_size, shape_text(array.shape), height, width));
         const Array<std::uint32_t> counts = npy_whole(array, bytes.owner, ctx_);
         std::vector<std::uint64_t> first;
         if (samples.spp == 0) first.reserve(counts.size() + 1);
         std::uint64_t sum = 0;
         for (size_t pixel = 0; pixel < counts.size(); ++pixel) {
-            if (samples.spp == 0) first.push_back(sum);
+            if (samples.spp == 0)
+                first.push_back(sum);
             else if (counts[pixel] != std::uint32_t(samples.spp))
-                fail(fmt::format("meta says {} samples in every pixel, 'count' says {} in pixel ({}, "
-                                 "{})", samples.spp, counts[pixel], pixel % width, pixel / width));
+                fail(fmt::format(
+                    "meta says {} samples in every pixel, 'count' says {} in pixel ({}, "
+                    "{})",
+                    samples.spp, counts[pixel], pixel % width, pixel / width));
             sum += counts[pixel];
         }
         if (samples.spp == 0) {
@@ -156,8 +164,10 @@ class NpzReader {
                             channel.role == Role::feature || channel.role == Role::random;
         const bool name_of_thing = channel.name == "id" || channel.name == "light_index";
         if (name_of_thing && array.kind != 'u')
-            fail(fmt::format("'{}' is of type f{}; expected whole numbers: save it with "
-                             ".astype('u4')", channel.name, array.item_size));
+            fail(
+                fmt::format("'{}' is of type f{}; expected whole numbers: save it with "
+                            ".astype('u4')",
+                            channel.name, array.item_size));
         if (name_of_thing || (!number && array.kind == 'u' && array.item_size == 4))
             channel.ids = npy_whole(array, bytes.owner, ctx_);
         else
@@ -169,9 +179,9 @@ class NpzReader {
     void check_shape(Channel& channel, const Npy& array, const Samples& samples) const {
         const auto& shape = array.shape;
         const int components = standard_components(channel.name);
-        const bool right = (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0 && shape[1] < 4096)) &&
-                           (components == 0 ||
-                            std::uint64_t(components) == (shape.size() == 2 ? shape[1] : 1));
+        const bool right =
+            (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0 && shape[1] < 4096)) &&
+            (components == 0 || std::uint64_t(components) == (shape.size() == 2 ? shape[1] : 1));
         if (!right)
             fail(fmt::format("'{}' has shape {}; expected {}", channel.name, shape_text(shape),
                              components == 1   ? "(N,)"
@@ -180,8 +190,8 @@ class NpzReader {
         if (shape[0] != samples.size())
             fail(samples.spp > 0
                      ? fmt::format("'{}' has {} samples; {} x {} pixels of {} samples make {}",
-                                   channel.name, shape[0], samples.width, samples.height, samples.spp,
-                                   samples.size())
+                                   channel.name, shape[0], samples.width, samples.height,
+                                   samples.spp, samples.size())
                      : fmt::format("'{}' has {} samples; {} adds up to {}", channel.name, shape[0],
                                    samples.domain == "light" ? "'xy'" : "'count'", samples.size()));
         channel.components = shape.size() == 2 ? int(shape[1]) : 1;

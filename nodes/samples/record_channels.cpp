@@ -63,11 +63,15 @@ void drop_idle_channels(Samples& samples) {
 void check_record_writable(const Samples& samples, const std::string& path, SampleFormat format,
                            std::initializer_list<std::string_view> held, Context& ctx) {
     if (samples.domain != "camera")
-        throw Error(fmt::format("cannot write '{}': {} has pixels and this buffer, seen from a light, has "
-                                "none; write .npz", path, name_of(format)));
+        throw Error(
+            fmt::format("cannot write '{}': {} has pixels and this buffer, seen from a light, has "
+                        "none; write .npz",
+                        path, name_of(format)));
     if (samples.spp == 0)
-        throw Error(fmt::format("cannot write '{}': {} has the same number of samples in every pixel, in "
-                                "this buffer it varies; write .npz or .exr", path, name_of(format)));
+        throw Error(
+            fmt::format("cannot write '{}': {} has the same number of samples in every pixel, in "
+                        "this buffer it varies; write .npz or .exr",
+                        path, name_of(format)));
     samples.require(fmt::format("{} file", name_of(format)), {"xy", "z", "rgb"});
     std::vector<std::string> lost;
     for (const Channel& channel : samples.channels)
@@ -90,8 +94,10 @@ void check_record_writable(const Samples& samples, const std::string& path, Samp
         return depth >= record_infinity && depth <= std::numeric_limits<float>::max();
     });
     if (far > 0)
-        ctx.warn(fmt::format("{}: {} holds no depth of 1e10 and more: {} sample{} will read back as at "
-                             "infinity", path, name_of(format), far, far == 1 ? "" : "s"));
+        ctx.warn(
+            fmt::format("{}: {} holds no depth of 1e10 and more: {} sample{} will read back as at "
+                        "infinity",
+                        path, name_of(format), far, far == 1 ? "" : "s"));
 }
 
 }  // namespace weft

@@ -27,8 +27,8 @@ void restore_infinite_depth(std::vector<float>& z);
 // z_gradient that is all 0.
 void drop_idle_channels(Samples& samples);
 
-// Throws Error if there are no pixels or their samples vary; warns of what is not among `held`: other
-// channels, a lens that is not round, another colour space.
+// Throws Error if there are no pixels or their samples vary; warns of what is not among `held`:
+// other channels, a lens that is not round, another colour space.
 void check_record_writable(const Samples& samples, const std::string& path, SampleFormat format,
                            std::initializer_list<std::string_view> held, Context& ctx);
 

@@ -26,10 +26,12 @@ bool is_file(const std::string& path) {
 Array<float> binary_records(const FileBytes& file, const RecordHeader& header, Context& ctx) {
     const size_t count = header.records() * header.floats(), expected = count * sizeof(float);
     if (file.bytes.size() != expected)
-        throw Error(fmt::format("{}: {} bytes; {} x {} pixels of {} samples of {} bytes make {}: the file "
-                                "is {}", file.name, file.bytes.size(), header.width, header.height,
-                                header.spp, header.floats() * sizeof(float), expected,
-                                file.bytes.size() < expected ? "cut short" : "not of this header"));
+        throw Error(
+            fmt::format("{}: {} bytes; {} x {} pixels of {} samples of {} bytes make {}: the file "
+                        "is {}",
+                        file.name, file.bytes.size(), header.width, header.height, header.spp,
+                        header.floats() * sizeof(float), expected,
+                        file.bytes.size() < expected ? "cut short" : "not of this header"));
     if (reinterpret_cast<std::uintptr_t>(file.bytes.data()) % alignof(float) == 0)
         return {{reinterpret_cast<const float*>(file.bytes.data()), count}, file.owner};
     const std::shared_ptr<float[]> values(new float[count]);
@@ -50,14 +52,17 @@ class TextRecords {
     Array<float> read(size_t records) {
         // The shortest record is a digit and a comma for each number.
         if (text_.size() / (2 * per_record_ - 1) < records)
-            throw Error(fmt::format("{}: {} bytes of text cannot hold {} records of {} numbers: the file "
-                                    "is cut short", file_.name, text_.size(), records, per_record_));
+            throw Error(
+                fmt::format("{}: {} bytes of text cannot hold {} records of {} numbers: the file "
+                            "is cut short",
+                            file_.name, text_.size(), records, per_record_));
         const size_t count = records * per_record_;
         const std::shared_ptr<float[]> values(new float[count]);
         for (size_t i = 0; i < records; ++i)
             read_one({values.get() + i * per_record_, per_record_}, i, records);
         skip_empty();
-        if (!text_.empty()) fail(fmt::format("more lines than the {} records of the header", records));
+        if (!text_.empty())
+            fail(fmt::format("more lines than the {} records of the header", records));
         return {{values.get(), count}, values};
     }
 
@@ -78,7 +83,8 @@ class TextRecords {
     void read_one(std::span<float> values, size_t record, size_t records) {
         skip_empty();
         if (text_.empty())
-            fail(fmt::format("the text ends after {} of {} records: the file is cut short", record, records));
+            fail(fmt::format("the text ends after {} of {} records: the file is cut short", record,
+                             records));
         for (size_t i = 0; i < values.size(); ++i) {
             blanks();
             if (i > 0 && take_comma()) blanks();
@@ -86,7 +92,8 @@ class TextRecords {
                 std::from_chars(text_.data(), text_.data() + text_.size(), values[i]);
             if (status != std::errc() && status != std::errc::result_out_of_range)
                 fail(fmt::format("{} numbers, then '{}'; expected {} with commas between them", i,
-                                 text_.substr(0, std::min<size_t>(text_.find('\n'), 20)), values.size()));
+                                 text_.substr(0, std::min<size_t>(text_.find('\n'), 20)),
+                                 values.size()));
             if (status == std::errc::result_out_of_range) values[i] = out_of_range(end);
             text_.remove_prefix(size_t(end - text_.data()));
         }
@@ -115,7 +122,8 @@ class TextRecords {
 
 void write_all(const std::string& path, const RecordHeader& header, Context& ctx,
                const std::function<void(size_t, std::span<float>)>& record) {
-    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"),
+                                                         &std::fclose);
     const auto fail = [&] {
         throw Error(fmt::format("cannot write '{}': {}", path, std::strerror(errno)));
     };
@@ -129,10 +137,12 @@ void write_all(const std::string& path, const RecordHeader& header, Context& ctx
         record(i, values);
         if (header.text) {
             text.clear();
-            for (const float value : values) fmt::format_to(std::back_inserter(text), "{:.9g},", value);
+            for (const float value : values)
+                fmt::format_to(std::back_inserter(text), "{:.9g},", value);
             text.push_back('\n');
             if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size()) fail();
-        } else if (std::fwrite(values.data(), sizeof(float), values.size(), file.get()) != values.size()) {
+        } else if (std::fwrite(values.data(), sizeof(float), values.size(), file.get()) !=
+                   values.size()) {
             fail();
         }
     }
@@ -160,12 +170,16 @@ std::optional<RecordFiles> find_record_files(const FileBytes& file) {
 Array<float> read_records(const RecordFiles& files, const RecordHeader& header, Context& ctx) {
     const bool inside = files.header.bytes.data() == files.data.bytes.data();
     if (header.text)
-        return TextRecords(files.data, inside ? header.size : 0, header.floats()).read(header.records());
+        return TextRecords(files.data, inside ? header.size : 0, header.floats())
+            .read(header.records());
     if (inside)
-        throw Error(fmt::format("{}: a header of binary data with no data beside it; expected them in "
-                                "'{}'", files.header.name, files.header.name.ends_with(header_suffix)
-                                    ? files.header.name.substr(0, files.header.name.size() - header_suffix.size())
-                                    : "NAME, and this header in NAME.header"));
+        throw Error(fmt::format(
+            "{}: a header of binary data with no data beside it; expected them in "
+            "'{}'",
+            files.header.name,
+            files.header.name.ends_with(header_suffix)
+                ? files.header.name.substr(0, files.header.name.size() - header_suffix.size())
+                : "NAME, and this header in NAME.header"));
     return binary_records(files.data, header, ctx);
 }
 
@@ -174,8 +188,8 @@ void write_records(const std::string& path, const RecordHeader& header, Context&
     AtomicFile data(path), head(path + std::string(header_suffix));
     write_all(data.temporary(), header, ctx, record);
     {
-        std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(head.temporary().c_str(), "wb"),
-                                                             &std::fclose);
+        std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
+            std::fopen(head.temporary().c_str(), "wb"), &std::fclose);
         const std::string text = record_header_text(header);
         if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() ||
             std::fclose(file.release()) != 0)

@@ -1,8 +1,8 @@
-// What TLFR 1.3 and ILFR 2.2 share: a text header (NAME.header, or the start of NAME) and records of
-// a fixed number of floats, as text or as raw little-endian IEEE numbers; the same number of records
-// for every pixel, row by row.
-// Source: the formats of the code published with Lehtinen et al. 2011 and 2012. Departure: numbers
-// are written with 9 digits, so that text is exact; files of any other length are refused.
+// What TLFR 1.3 and ILFR 2.2 share: a text header (NAME.header, or the start of NAME) and records
+// of a fixed number of floats, as text or as raw little-endian IEEE numbers; the same number of
+// records for every pixel, row by row. Source: the formats of the code published with Lehtinen et
+// al. 2011 and 2012. Departure: numbers are written with 9 digits, so that text is exact; files of
+// any other length are refused.
 #pragma once
 #include <array>
 #include <functional>

@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::string_view coc_label = "CoC coefficients (coc radius = C0/w+C1):";
 constexpr std::string_view matrix_label = "Pixel-to-camera matrix:";
-constexpr std::string_view tlfr_fields =
-    "x,y,z/w,w,u,v,t,r,g,b,a,mv_x,mv_y,mv_w,dwdx,dwdy";
+constexpr std::string_view tlfr_fields = "x,y,z/w,w,u,v,t,r,g,b,a,mv_x,mv_y,mv_w,dwdx,dwdy";
 constexpr std::string_view ilfr_fields =
     "x,y,w,u,v,t,r,g,b,pri_mv(3d),pri_normal(3d),albedo(3d),sec_origin(3d),sec_hitpoint(3d),"
     "sec_mv(3d),sec_normal(3d),direct(3d),sec_albedo(3d),sec_direct(3d)";
@@ -54,7 +53,8 @@ class Lines {
         int value = 0;
         const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (status != std::errc() || end != text.data() + text.size() || value < 1)
-            fail(fmt::format("{} is '{}'; expected a whole number from 1", label, text.substr(0, 80)));
+            fail(fmt::format("{} is '{}'; expected a whole number from 1", label,
+                             text.substr(0, 80)));
         return value;
     }
     void floats(std::string_view label, std::span<float> values) {
@@ -92,12 +92,15 @@ RecordKind read_version(Lines& lines) {
         if (version == 1.3f) return RecordKind::tlfr;
         if (version == 2.2f) return RecordKind::ilfr;
     }
-    lines.fail(fmt::format("version {}; this program reads TLFR 1.3 and ILFR 2.2", text.substr(0, 40)));
+    lines.fail(
+        fmt::format("version {}; this program reads TLFR 1.3 and ILFR 2.2", text.substr(0, 40)));
 }
 
 }  // namespace
 
-bool is_record_header(const FileBytes& file) { return file.text().starts_with("Version "); }
+bool is_record_header(const FileBytes& file) {
+    return file.text().starts_with("Version ");
+}
 
 RecordHeader read_record_header(const FileBytes& file) {
     Lines lines(file);
@@ -118,13 +121,15 @@ RecordHeader read_record_header(const FileBytes& file) {
     header.text = encoding == "text";
     const std::string_view fields = lines.next();
     if (!fields.starts_with("x,y,"))
-        lines.fail(fmt::format("'{}'; expected the names of the fields, 'x,y,...'", fields.substr(0, 80)));
+        lines.fail(
+            fmt::format("'{}'; expected the names of the fields, 'x,y,...'", fields.substr(0, 80)));
     header.size = lines.used();
 
     std::uint64_t records = std::uint64_t(header.width) * std::uint64_t(header.height);
-    if (__builtin_mul_overflow(records, std::uint64_t(header.spp), &records) || records > SIZE_MAX / 256)
-        lines.fail(fmt::format("{} x {} pixels of {} samples are more than any file holds", header.width,
-                               header.height, header.spp));
+    if (__builtin_mul_overflow(records, std::uint64_t(header.spp), &records) ||
+        records > SIZE_MAX / 256)
+        lines.fail(fmt::format("{} x {} pixels of {} samples are more than any file holds",
+                               header.width, header.height, header.spp));
     return header;
 }
 

@@ -21,34 +21,43 @@ namespace {
 [[noreturn]] void refuse(const FileBytes& file) {
     if (file.bytes.empty()) throw Error(fmt::format("{}: the file is empty", file.name));
     if (is_exr(file))
-        throw Error(fmt::format("{}: an EXR picture without deep samples; expected a deep EXR, or use "
-                                "read-image", file.name));
-    throw Error(fmt::format("{}: no sample file that this program knows; expected .npz, deep EXR, TLFR 1.3 "
-                            "or ILFR 2.2 (data of the last two have their header in '{}.header')",
-                            file.name, file.name));
+        throw Error(
+            fmt::format("{}: an EXR picture without deep samples; expected a deep EXR, or use "
+                        "read-image",
+                        file.name));
+    throw Error(
+        fmt::format("{}: no sample file that this program knows; expected .npz, deep EXR, TLFR 1.3 "
+                    "or ILFR 2.2 (data of the last two have their header in '{}.header')",
+                    file.name, file.name));
 }
 
 SampleFormat format_by_name(const std::string& path) {
-    std::string ending = path.substr(path.find_last_of("./") == path.npos ? path.size()
-                                                                          : path.find_last_of("./"));
+    std::string ending =
+        path.substr(path.find_last_of("./") == path.npos ? path.size() : path.find_last_of("./"));
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](unsigned char c) { return char(std::tolower(c)); });
     if (ending == ".npz") return SampleFormat::npz;
     if (ending == ".exr") return SampleFormat::deep_exr;
     if (ending == ".tlfr") return SampleFormat::tlfr;
     if (ending == ".ilfr") return SampleFormat::ilfr;
-    throw Error(fmt::format("'{}' does not say which format to write; name it .npz, .exr, .tlfr or .ilfr, "
-                            "or set 'format'", path));
+    throw Error(
+        fmt::format("'{}' does not say which format to write; name it .npz, .exr, .tlfr or .ilfr, "
+                    "or set 'format'",
+                    path));
 }
 
 }  // namespace
 
 std::string_view name_of(SampleFormat format) {
     switch (format) {
-        case SampleFormat::npz: return "npz";
-        case SampleFormat::deep_exr: return "deep EXR";
-        case SampleFormat::tlfr: return "TLFR 1.3";
-        case SampleFormat::ilfr: break;
+        case SampleFormat::npz:
+            return "npz";
+        case SampleFormat::deep_exr:
+            return "deep EXR";
+        case SampleFormat::tlfr:
+            return "TLFR 1.3";
+        case SampleFormat::ilfr:
+            break;
     }
     return "ILFR 2.2";
 }
@@ -75,10 +84,14 @@ Samples read_sample_file(const FileBytes& file, const ReadOptions& options, Cont
 void write_sample_file(const Samples& samples, const std::string& path, const WriteOptions& options,
                        Context& ctx) {
     switch (options.format ? *options.format : format_by_name(path)) {
-        case SampleFormat::npz: return write_npz(samples, path, options.deflate, ctx);
-        case SampleFormat::deep_exr: return write_deep_exr(samples, path, options.deflate, ctx);
-        case SampleFormat::tlfr: return write_tlfr(samples, path, options.text, ctx);
-        case SampleFormat::ilfr: return write_ilfr(samples, path, options.text, ctx);
+        case SampleFormat::npz:
+            return write_npz(samples, path, options.deflate, ctx);
+        case SampleFormat::deep_exr:
+            return write_deep_exr(samples, path, options.deflate, ctx);
+        case SampleFormat::tlfr:
+            return write_tlfr(samples, path, options.text, ctx);
+        case SampleFormat::ilfr:
+            return write_ilfr(samples, path, options.text, ctx);
     }
 }
 

@@ -23,8 +23,8 @@ struct ReadOptions {
 
 struct WriteOptions {
     std::optional<SampleFormat> format = {};  // none: by the file's extension
-    bool deflate = false;                // npz and deep EXR: pack without loss
-    bool text = false;                   // TLFR and ILFR: text instead of binary
+    bool deflate = false;                     // npz and deep EXR: pack without loss
+    bool text = false;                        // TLFR and ILFR: text instead of binary
 };
 
 // The format of a file, told by its first bytes (TLFR and ILFR data: by their .header); none if

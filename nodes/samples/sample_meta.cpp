@@ -63,7 +63,8 @@ class Meta {
         if (!(lens.aspect > 0)) fail(fmt::format("'aspect' is {}; expected above 0", lens.aspect));
         lens.rotation = number(*value, "rotation", 0);
         const float blades = number(*value, "blades", 0);
-        if (blades != std::floor(blades) || blades < 0 || blades > 1024 || (blades > 0 && blades < 3))
+        if (blades != std::floor(blades) || blades < 0 || blades > 1024 ||
+            (blades > 0 && blades < 3))
             fail(fmt::format("'blades' is {}; expected 0 (round) or 3 and more", blades));
         lens.blades = int(blades);
         return lens;
@@ -94,7 +95,8 @@ void read_meta(std::string_view text, const std::string& file, Samples& samples)
     if (samples.domain != "camera" && samples.domain != "light")
         meta.fail(fmt::format("'domain' is '{}'; expected 'camera' or 'light'", samples.domain));
     samples.lens = meta.lens();
-    if (const Json* roles = meta.find(samples.meta, "roles"); roles && !roles->is(Json::Kind::object))
+    if (const Json* roles = meta.find(samples.meta, "roles");
+        roles && !roles->is(Json::Kind::object))
         meta.fail(fmt::format("'roles' is {}; expected an object", roles->dump()));
 }
 
@@ -104,8 +106,10 @@ Role role_in_meta(const Json& meta, const std::string& file, std::string_view ch
     if (!role) return standard_role(channel);
     for (Role known : {Role::none, Role::position, Role::random, Role::feature, Role::radiance})
         if (role->is(Json::Kind::text) && role->text == name_of(known)) return known;
-    throw Error(fmt::format("{}: meta: role of '{}' is {}; expected position, random, feature, "
-                            "radiance or none", file, channel, role->dump()));
+    throw Error(
+        fmt::format("{}: meta: role of '{}' is {}; expected position, random, feature, "
+                    "radiance or none",
+                    file, channel, role->dump()));
 }
 
 Json meta_to_write(const Samples& samples, const Context& ctx) {

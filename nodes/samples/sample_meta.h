@@ -7,8 +7,8 @@
 
 namespace weft {
 
-// Fills width, height, spp, colour space, domain, lens and meta of `samples` from the text of a meta
-// object. Throws Error beginning with `file` when a key is missing or has an unusable value.
+// Fills width, height, spp, colour space, domain, lens and meta of `samples` from the text of a
+// meta object. Throws Error beginning with `file` when a key is missing or has an unusable value.
 void read_meta(std::string_view text, const std::string& file, Samples& samples);
 
 // The role that meta gives a channel, or else its standard one. Throws Error for an unknown role.

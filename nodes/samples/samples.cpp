@@ -42,7 +42,9 @@ const Standard* find_standard(std::string_view channel) {
 }
 
 // The shortest number that reads back as this float.
-Json short_number(float value) { return Json(std::stod(fmt::format("{}", value))); }
+Json short_number(float value) {
+    return Json(std::stod(fmt::format("{}", value)));
+}
 
 Json lens_json(const Lens& lens) {
     Json object = Json::object();
@@ -57,11 +59,16 @@ Json lens_json(const Lens& lens) {
 
 std::string_view name_of(Role role) {
     switch (role) {
-        case Role::position: return "position";
-        case Role::random: return "random";
-        case Role::feature: return "feature";
-        case Role::radiance: return "radiance";
-        case Role::none: break;
+        case Role::position:
+            return "position";
+        case Role::random:
+            return "random";
+        case Role::feature:
+            return "feature";
+        case Role::radiance:
+            return "radiance";
+        case Role::none:
+            break;
     }
     return "none";
 }
@@ -71,7 +78,9 @@ Role standard_role(std::string_view channel) {
     return s ? s->role : Role::none;
 }
 
-bool is_standard_channel(std::string_view channel) { return find_standard(channel) != nullptr; }
+bool is_standard_channel(std::string_view channel) {
+    return find_standard(channel) != nullptr;
+}
 
 int standard_components(std::string_view channel) {
     const Standard* s = find_standard(channel);
@@ -136,11 +145,11 @@ void Samples::require(std::string_view who, std::initializer_list<std::string_vi
         if (!find(name)) missing.push_back(name);
     if (missing.empty()) return;
     for (const Channel& c : channels) have.push_back(c.name);
-    throw Error(fmt::format("'{}' needs {}, this buffer has {}; render with {}, or list {} in "
-                            "'channels' of read-samples if the file has {}",
-                            who, fmt::join(missing, ", "), fmt::join(have, ", "),
-                            missing.size() > 1 ? "them" : "it", missing.size() > 1 ? "them" : "it",
-                            missing.size() > 1 ? "them" : "it"));
+    throw Error(fmt::format(
+        "'{}' needs {}, this buffer has {}; render with {}, or list {} in "
+        "'channels' of read-samples if the file has {}",
+        who, fmt::join(missing, ", "), fmt::join(have, ", "), missing.size() > 1 ? "them" : "it",
+        missing.size() > 1 ? "them" : "it", missing.size() > 1 ? "them" : "it"));
 }
 
 size_t Samples::bytes() const {
@@ -150,12 +159,16 @@ size_t Samples::bytes() const {
     return sum;
 }
 
-void Samples::count(Items& items) const { items.add("samples", size_); }
+void Samples::count(Items& items) const {
+    items.add("samples", size_);
+}
 
 void Samples::describe(FieldVisitor& visitor) const {
     for (const Channel& c : channels) {
-        if (c.whole()) visitor.field(c.name, c.ids.view(), c.components);
-        else visitor.field(c.name, c.values.view(), c.components);
+        if (c.whole())
+            visitor.field(c.name, c.ids.view(), c.components);
+        else
+            visitor.field(c.name, c.values.view(), c.components);
     }
 }
 

@@ -1,6 +1,6 @@
 // Samples: a renderer's sample buffer, a struct of arrays. Names, shapes and units are those of the
-// native file (docs/formats.md): pixel (i, j) covers [i, i+1) x [j, j+1), y down; samples of a pixel
-// lie together, pixels row by row from the top left.
+// native file (docs/formats.md): pixel (i, j) covers [i, i+1) x [j, j+1), y down; samples of a
+// pixel lie together, pixels row by row from the top left.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -53,7 +53,8 @@ struct Lens {
 // What part a channel takes in filters that ask (docs/formats.md).
 enum class Role { none, position, random, feature, radiance };
 std::string_view name_of(Role role);
-// A standard channel's role: uv, t, light_uv, bounce are random; rgb, direct ... radiance; and so on.
+// A standard channel's role: uv, t, light_uv, bounce are random; rgb, direct ... radiance; and so
+// on.
 Role standard_role(std::string_view channel);
 bool is_standard_channel(std::string_view channel);
 int standard_components(std::string_view channel);  // 0: any number, or not a standard name
@@ -62,20 +63,20 @@ struct Channel {
     std::string name;    // snake_case
     int components = 1;  // values a sample
     Role role = Role::none;
-    Array<float> values;          // size() * components, sample by sample
-    Array<std::uint32_t> ids;     // instead of values, for whole-number channels (id, light_index)
+    Array<float> values;       // size() * components, sample by sample
+    Array<std::uint32_t> ids;  // instead of values, for whole-number channels (id, light_index)
     bool whole() const { return !ids.empty(); }
 };
 
 class Samples {
   public:
     int width = 0, height = 0;
-    int spp = 0;                          // samples in every pixel; 0: they vary, see `first`
-    Array<std::uint64_t> first;           // pixels + 1 offsets; empty where spp is constant
+    int spp = 0;                 // samples in every pixel; 0: they vary, see `first`
+    Array<std::uint64_t> first;  // pixels + 1 offsets; empty where spp is constant
     std::string color_space = "lin_rec709";
-    std::string domain = "camera";        // or "light": no pixel order
-    std::optional<Lens> lens;             // none: a pinhole
-    Json meta;                            // the whole meta object, unknown keys included
+    std::string domain = "camera";  // or "light": no pixel order
+    std::optional<Lens> lens;       // none: a pinhole
+    Json meta;                      // the whole meta object, unknown keys included
     std::vector<Channel> channels;
 
     size_t size() const { return size_; }
@@ -83,7 +84,9 @@ class Samples {
     void set_size(size_t samples) { size_ = samples; }
 
     // The samples of a pixel: [begin, end).
-    struct Range { size_t begin, end; };
+    struct Range {
+        size_t begin, end;
+    };
     Range of_pixel(size_t pixel) const {
         if (spp > 0) return {pixel * size_t(spp), (pixel + 1) * size_t(spp)};
         return {size_t(first[pixel]), size_t(first[pixel + 1])};
@@ -104,19 +107,20 @@ class Samples {
     bool has_motion() const { return !t().empty() && !motion().empty(); }
 
     void add(Channel channel);  // replaces one of the same name
-    void add(std::string name, int components, std::vector<float> values);  // with its standard role
+    void add(std::string name, int components,
+             std::vector<float> values);  // with its standard role
     void add_ids(std::string name, std::vector<std::uint32_t> ids);
 
     // Brings `meta` up to date with the fields above (size, spp, lens, roles ...) and returns it.
     Json meta_object() const;
 
-    // Throws Error naming what is missing, e.g. require("reproject", {"xy", "z"}): "'reproject' needs
-    // z, this buffer has xy, rgb; ...".
+    // Throws Error naming what is missing, e.g. require("reproject", {"xy", "z"}): "'reproject'
+    // needs z, this buffer has xy, rgb; ...".
     void require(std::string_view who, std::initializer_list<std::string_view> channels) const;
 
     size_t bytes() const;
-    void count(Items& items) const;               // for reports
-    void describe(FieldVisitor& visitor) const;   // for --tap
+    void count(Items& items) const;              // for reports
+    void describe(FieldVisitor& visitor) const;  // for --tap
 
   private:
     size_t size_ = 0;

@@ -39,8 +39,11 @@ Samples read_tlfr(const RecordFiles& files, const RecordHeader& header, const Re
     Samples samples = samples_of_header(header);
     const auto add = [&](std::string name, size_t first, size_t components) {
         const Role role = standard_role(name);
-        samples.add(Channel{std::move(name), int(components), role,
-                            columns(records, width, first, components, ctx), {}});
+        samples.add(Channel{std::move(name),
+                            int(components),
+                            role,
+                            columns(records, width, first, components, ctx),
+                            {}});
     };
     add("xy", x, 2);
     add("uv", u, 2);
@@ -86,8 +89,10 @@ void write_tlfr(const Samples& samples, const std::string& path, bool text, Cont
         }
     });
     if (lost_motion > 0)
-        ctx.warn(fmt::format("{}: TLFR 1.3 holds no motion of what is infinitely far: that of {} sample{} "
-                             "is written as 0", path, lost_motion, lost_motion == 1 ? "" : "s"));
+        ctx.warn(fmt::format(
+            "{}: TLFR 1.3 holds no motion of what is infinitely far: that of {} sample{} "
+            "is written as 0",
+            path, lost_motion, lost_motion == 1 ? "" : "s"));
 }
 
 }  // namespace weft

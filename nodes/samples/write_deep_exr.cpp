@@ -33,8 +33,10 @@ std::vector<Plane> planes_of(const Samples& samples, const std::string& path, Co
             const std::string name = exr_name(channel, part);
             const ExrPart back = exr_part(name);
             if (back.channel != channel.name || back.part != part || name.size() > 255) {
-                ctx.warn(fmt::format("{}: channel '{}' is left out: '{}' cannot be its name in a deep "
-                                     "EXR; rename it or write .npz", path, channel.name, name));
+                ctx.warn(
+                    fmt::format("{}: channel '{}' is left out: '{}' cannot be its name in a deep "
+                                "EXR; rename it or write .npz",
+                                path, channel.name, name));
                 break;
             }
             Plane plane;
@@ -54,8 +56,10 @@ std::vector<Plane> planes_of(const Samples& samples, const std::string& path, Co
 
 void write_deep_exr(const Samples& samples, const std::string& path, bool deflate, Context& ctx) {
     if (samples.domain != "camera")
-        throw Error(fmt::format("cannot write '{}': a deep EXR has pixels and this buffer, seen from a "
-                                "light, has none; write .npz", path));
+        throw Error(
+            fmt::format("cannot write '{}': a deep EXR has pixels and this buffer, seen from a "
+                        "light, has none; write .npz",
+                        path));
     std::vector<Plane> planes = planes_of(samples, path, ctx);
     AtomicFile file(path);
     try {
@@ -64,7 +68,8 @@ void write_deep_exr(const Samples& samples, const std::string& path, bool deflat
         header.compression() = deflate ? Imf::ZIPS_COMPRESSION : Imf::NO_COMPRESSION;
         header.insert("weft:meta", Imf::StringAttribute(meta_to_write(samples, ctx).dump()));
 
-        // Slices of one line, used for all: their line stride is 0. The library only reads from them.
+        // Slices of one line, used for all: their line stride is 0. The library only reads from
+        // them.
         const auto width = size_t(samples.width);
         std::vector<unsigned> counts(width);
         Imf::DeepFrameBuffer frame;

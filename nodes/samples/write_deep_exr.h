@@ -1,5 +1,6 @@
-// Writing deep EXR (scanlines, floats; whole-number channels as uint): one deep sample is one camera
-// sample. Channel names: exr_channels.h. Lens and everything else of meta: attribute weft:meta.
+// Writing deep EXR (scanlines, floats; whole-number channels as uint): one deep sample is one
+// camera sample. Channel names: exr_channels.h. Lens and everything else of meta: attribute
+// weft:meta.
 #pragma once
 #include "samples/sample_file.h"
 

@@ -44,13 +44,17 @@ void write_npz(const Samples& samples, const std::string& path, bool deflate, Co
     pieces.push_back({"meta.npy", npy_header("|u1", {meta.size()}), bytes_of(text), {}, 0});
     if (!samples.first.empty()) {
         counts = counts_of(samples);
-        pieces.push_back({"count.npy",
-                          npy_header("<u4", {std::uint64_t(samples.height), std::uint64_t(samples.width)}),
-                          bytes_of(std::span<const std::uint32_t>(counts)), {}, 0});
+        pieces.push_back(
+            {"count.npy",
+             npy_header("<u4", {std::uint64_t(samples.height), std::uint64_t(samples.width)}),
+             bytes_of(std::span<const std::uint32_t>(counts)),
+             {},
+             0});
     }
     for (const Channel& channel : samples.channels) {
         if (channel.name == "meta" || channel.name == "count")
-            throw Error(fmt::format("a channel cannot be called '{}' in an .npz file", channel.name));
+            throw Error(
+                fmt::format("a channel cannot be called '{}' in an .npz file", channel.name));
         pieces.push_back(piece_of(channel, samples.size()));
     }
     ctx.parallel_for(pieces.size(), [&](size_t i) { finish(pieces[i], deflate); });

@@ -17,18 +17,21 @@ struct WriteSamples {
     Encoding encoding = Encoding::binary;
 
     static void declare(Ports<WriteSamples>& node) {
-        node.about("writes a sample buffer, whole or not at all. What the format cannot hold is named in a "
-                   "warning; .npz holds everything")
+        node.about(
+                "writes a sample buffer, whole or not at all. What the format cannot hold is named "
+                "in a warning; .npz holds everything")
             .writes()
             .in<Samples>("samples", "the buffer to write")
             .param("file", &WriteSamples::file, {.about = "file to write; folders are made"})
             .choice("format", &WriteSamples::format, {"auto", "npz", "exr", "tlfr", "ilfr"},
                     {.about = "auto: by the file's extension; exr is deep EXR"})
             .choice("compression", &WriteSamples::compression, {"none", "deflate"},
-                    {.about = "npz and exr: noisy floats hardly shrink, and only files written with none are "
-                              "read without a copy"})
-            .choice("encoding", &WriteSamples::encoding, {"binary", "text"},
-                    {.about = "tlfr and ilfr: numbers as raw floats, or as text with 9 digits (exact too)"});
+                    {.about = "npz and exr: noisy floats hardly shrink, and only files written "
+                              "with none are read without a copy"})
+            .choice(
+                "encoding", &WriteSamples::encoding, {"binary", "text"},
+                {.about =
+                     "tlfr and ilfr: numbers as raw floats, or as text with 9 digits (exact too)"});
     }
 
     void run(const Inputs& in, Outputs&, Context& ctx) const {

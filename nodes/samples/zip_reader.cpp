@@ -48,7 +48,8 @@ class Reader {
 
     // The end record is the last thing in the file but for a comment of at most 65535 bytes.
     Directory find_directory() const {
-        if (bytes_.size() < end_size) fail(fmt::format("only {} bytes, no zip file", bytes_.size()));
+        if (bytes_.size() < end_size)
+            fail(fmt::format("only {} bytes, no zip file", bytes_.size()));
         const size_t last = bytes_.size() - end_size;
         const size_t stop = last > 0xffff ? last - 0xffff : 0;
         for (size_t at = last + 1; at-- > stop;) {
@@ -83,7 +84,8 @@ class Reader {
     ZipMember next_member(Bytes& rest) const {
         if (rest.size() < central_size || u32(rest, 0) != central_mark)
             fail("its directory is damaged");
-        const size_t name_size = u16(rest, 28), extra_size = u16(rest, 30), note_size = u16(rest, 32);
+        const size_t name_size = u16(rest, 28), extra_size = u16(rest, 30),
+                     note_size = u16(rest, 32);
         if (rest.size() - central_size < name_size + extra_size + note_size)
             fail("its directory is damaged");
         ZipMember member;
@@ -127,10 +129,13 @@ class Reader {
     Bytes data_at(const ZipMember& member, std::uint64_t offset, std::uint64_t packed) const {
         const std::uint64_t all = bytes_.size();
         const auto damaged = [&]() {
-            fail(fmt::format("member '{}' is not where the directory says; the file is cut short or "
-                             "damaged", member.name));
+            fail(
+                fmt::format("member '{}' is not where the directory says; the file is cut short or "
+                            "damaged",
+                            member.name));
         };
-        if (all < local_size || offset > all - local_size || u32(bytes_, size_t(offset)) != local_mark)
+        if (all < local_size || offset > all - local_size ||
+            u32(bytes_, size_t(offset)) != local_mark)
             damaged();
         const Bytes local = bytes_.subspan(size_t(offset));
         const size_t head = local_size + u16(local, 26) + u16(local, 28);
@@ -163,7 +168,9 @@ class Reader {
 
 }  // namespace
 
-std::vector<ZipMember> zip_members(const FileBytes& file) { return Reader(file).members(); }
+std::vector<ZipMember> zip_members(const FileBytes& file) {
+    return Reader(file).members();
+}
 
 FileBytes zip_bytes(const FileBytes& file, const ZipMember& member) {
     const auto fail = [&](const std::string& message) {
@@ -173,21 +180,25 @@ FileBytes zip_bytes(const FileBytes& file, const ZipMember& member) {
     if (member.method == 8) {
         // Deflate makes at most 1032 bytes of one (RFC 1951: 258 bytes from two bits).
         if (member.size / 1032 > member.packed.size() + 1)
-            fail(fmt::format("says that it holds {} bytes, which {} packed bytes cannot; the file is "
-                             "damaged", member.size, member.packed.size()));
+            fail(fmt::format(
+                "says that it holds {} bytes, which {} packed bytes cannot; the file is "
+                "damaged",
+                member.size, member.packed.size()));
         const std::shared_ptr<std::uint8_t[]> buffer(new std::uint8_t[size_t(member.size) + 1]);
         std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
             libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
         if (!inflater) throw std::bad_alloc();
-        if (libdeflate_deflate_decompress(inflater.get(), member.packed.data(), member.packed.size(),
-                                          buffer.get(), size_t(member.size),
+        if (libdeflate_deflate_decompress(inflater.get(), member.packed.data(),
+                                          member.packed.size(), buffer.get(), size_t(member.size),
                                           nullptr) != LIBDEFLATE_SUCCESS)
             fail("cannot be unpacked; the file is damaged");
         result.bytes = {buffer.get(), size_t(member.size)};
         result.owner = std::shared_ptr<const void>(buffer, buffer.get());
     } else if (member.method != 0) {
-        fail(fmt::format("is packed by method {}; expected stored or deflate, as numpy.savez and "
-                         "numpy.savez_compressed write", member.method));
+        fail(
+            fmt::format("is packed by method {}; expected stored or deflate, as numpy.savez and "
+                        "numpy.savez_compressed write",
+                        member.method));
     } else if (member.size != member.packed.size()) {
         fail(fmt::format("is stored but has two sizes, {} and {} bytes; the file is damaged",
                          member.packed.size(), member.size));

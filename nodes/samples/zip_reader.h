@@ -12,9 +12,9 @@ namespace weft {
 
 struct ZipMember {
     std::string name;
-    int method = 0;                       // 0: stored, 8: deflate
+    int method = 0;  // 0: stored, 8: deflate
     std::uint32_t crc = 0;
-    std::uint64_t size = 0;               // unpacked
+    std::uint64_t size = 0;                // unpacked
     std::span<const std::uint8_t> packed;  // where it lies in the file
 };
 

@@ -20,9 +20,15 @@ template <class T>
 void append(std::string& to, T value) {
     to.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
-void append16(std::string& to, std::uint64_t value) { append(to, std::uint16_t(value)); }
-void append32(std::string& to, std::uint64_t value) { append(to, std::uint32_t(value)); }
-void append64(std::string& to, std::uint64_t value) { append(to, value); }
+void append16(std::string& to, std::uint64_t value) {
+    append(to, std::uint16_t(value));
+}
+void append32(std::string& to, std::uint64_t value) {
+    append(to, std::uint32_t(value));
+}
+void append64(std::string& to, std::uint64_t value) {
+    append(to, value);
+}
 
 struct Sizes {
     std::uint64_t plain, packed;

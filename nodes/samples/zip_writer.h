@@ -1,6 +1,7 @@
-// Writing zip files whose stored members can be mapped: a member's numbers start at a multiple of 64.
-// Dates are fixed (1980-01-01), so the same members give the same bytes; zip64 where sizes ask for it.
-// Source: PKWARE APPNOTE 6.3.9; the padding stands in an extra field (0xd935) of the local header.
+// Writing zip files whose stored members can be mapped: a member's numbers start at a multiple
+// of 64. Dates are fixed (1980-01-01), so the same members give the same bytes; zip64 where sizes
+// ask for it. Source: PKWARE APPNOTE 6.3.9; the padding stands in an extra field (0xd935) of the
+// local header.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -10,8 +11,8 @@
 
 namespace weft {
 
-// What a member will hold: `head` (a multiple of 64 long, for the alignment to mean something), then
-// `data`. `packed` is both, deflated; empty: the member is stored.
+// What a member will hold: `head` (a multiple of 64 long, for the alignment to mean something),
+// then `data`. `packed` is both, deflated; empty: the member is stored.
 struct ZipPiece {
     std::string name;
     std::string head;

@@ -42,7 +42,8 @@ inline void check_consistent(const Samples& s) {
     size_t end = 0;
     for (size_t pixel = 0; pixel < s.pixels(); ++pixel) {
         const Samples::Range range = s.of_pixel(pixel);
-        if (range.begin != end || range.end < range.begin) not_consistent("counts are out of order");
+        if (range.begin != end || range.end < range.begin)
+            not_consistent("counts are out of order");
         end = range.end;
     }
     if (end != s.size()) not_consistent("counts don't add up");
@@ -61,7 +62,8 @@ void read_or_refuse(Read&& read) {
 
 // Makes checksums right, which no fuzzer would guess: of each member, where it can be unpacked.
 inline std::string with_checksums(std::string bytes) {
-    const FileBytes file{"a", {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, nullptr, false};
+    const FileBytes file{
+        "a", {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, nullptr, false};
     std::vector<ZipMember> members;
     try {
         members = zip_members(file);
@@ -77,8 +79,8 @@ inline std::string with_checksums(std::string bytes) {
         if (member.method == 8 && member.size < 1032 * (member.packed.size() + 1)) {
             plain.resize(size_t(member.size) + 1);
             libdeflate_decompressor* inflater = libdeflate_alloc_decompressor();
-            libdeflate_deflate_decompress(inflater, member.packed.data(), member.packed.size(), plain.data(),
-                                          size_t(member.size), nullptr);
+            libdeflate_deflate_decompress(inflater, member.packed.data(), member.packed.size(),
+                                          plain.data(), size_t(member.size), nullptr);
             libdeflate_free_decompressor(inflater);
             plain.pop_back();
         }
@@ -91,12 +93,15 @@ inline std::string with_checksums(std::string bytes) {
 
 inline void fuzz_npz(std::string_view input) {
     const std::string bytes = with_checksums(std::string(input));
-    const FileBytes file{"a", {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, nullptr, false};
-    read_or_refuse([&](const ReadOptions& options, Context& ctx) { return read_npz(file, options, ctx); });
+    const FileBytes file{
+        "a", {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, nullptr, false};
+    read_or_refuse(
+        [&](const ReadOptions& options, Context& ctx) { return read_npz(file, options, ctx); });
 }
 
 inline void fuzz_deep_exr(std::string_view input) {
-    const FileBytes file{"a", {reinterpret_cast<const std::uint8_t*>(input.data()), input.size()}, nullptr, false};
+    const FileBytes file{
+        "a", {reinterpret_cast<const std::uint8_t*>(input.data()), input.size()}, nullptr, false};
     read_or_refuse([&](const ReadOptions& options, Context& ctx) {
         if (!is_deep_exr(file)) throw Error("no deep EXR");
         return read_deep_exr(file, options, ctx);
@@ -105,7 +110,8 @@ inline void fuzz_deep_exr(std::string_view input) {
 
 // A header, and behind it the data, text or binary.
 inline void fuzz_records(std::string_view input, RecordKind kind) {
-    const FileBytes file{"a", {reinterpret_cast<const std::uint8_t*>(input.data()), input.size()}, nullptr, false};
+    const FileBytes file{
+        "a", {reinterpret_cast<const std::uint8_t*>(input.data()), input.size()}, nullptr, false};
     read_or_refuse([&](const ReadOptions& options, Context& ctx) {
         const RecordHeader header = read_record_header(file);
         if (header.kind != kind) throw Error("of the other kind");
@@ -115,7 +121,11 @@ inline void fuzz_records(std::string_view input, RecordKind kind) {
                                         : read_ilfr(files, header, options, ctx);
     });
 }
-inline void fuzz_tlfr(std::string_view input) { fuzz_records(input, RecordKind::tlfr); }
-inline void fuzz_ilfr(std::string_view input) { fuzz_records(input, RecordKind::ilfr); }
+inline void fuzz_tlfr(std::string_view input) {
+    fuzz_records(input, RecordKind::tlfr);
+}
+inline void fuzz_ilfr(std::string_view input) {
+    fuzz_records(input, RecordKind::ilfr);
+}
 
 }  // namespace weft::test

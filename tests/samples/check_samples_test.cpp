@@ -42,8 +42,9 @@ TEST(BadValues, radiance_that_is_no_number_is_dropped) {
     const Samples before = s.samples;
     s.check(0);  // not held against the buffer
     ASSERT_EQ(s.ctx.warnings.size(), 1u);
-    EXPECT_SAYS(s.warning(), "a.npz: rgb: radiance is NaN or infinite in 2 samples; first: pixel (0, 1), "
-                             "sample 1, rgb = (");
+    EXPECT_SAYS(s.warning(),
+                "a.npz: rgb: radiance is NaN or infinite in 2 samples; first: pixel (0, 1), "
+                "sample 1, rgb = (");
     EXPECT_SAYS(s.warning(), ", nan, ");
     EXPECT_SAYS(s.warning(), "(dropped)");
     EXPECT_EQ(s.samples.size(), 398u);
@@ -52,7 +53,8 @@ TEST(BadValues, radiance_that_is_no_number_is_dropped) {
     EXPECT_EQ(s.samples.of_pixel(10).end, 43u);
     EXPECT_EQ(s.samples.of_pixel(19).end, 78u);
     EXPECT_EQ(s.samples.of_pixel(99).end, 398u);
-    EXPECT_EQ(s.samples.xy()[2 * 41], before.xy()[2 * 42]);  // the others moved up, in every channel
+    EXPECT_EQ(s.samples.xy()[2 * 41],
+              before.xy()[2 * 42]);  // the others moved up, in every channel
     EXPECT_EQ(s.samples.z()[76], before.z()[78]);
 }
 
@@ -61,7 +63,8 @@ TEST(BadValues, negative_radiance_is_kept) {
     for (size_t i = 0; i < 50; ++i) s.set("rgb", 3 * i, -1);
     s.check();
     ASSERT_EQ(s.ctx.warnings.size(), 1u);
-    EXPECT_SAYS(s.warning(), "rgb: radiance is negative in 50 samples; first: pixel (0, 0), sample 0");
+    EXPECT_SAYS(s.warning(),
+                "rgb: radiance is negative in 50 samples; first: pixel (0, 0), sample 0");
     EXPECT_SAYS(s.warning(), "(kept)");
     EXPECT_EQ(s.samples.size(), 400u);
 }
@@ -71,7 +74,8 @@ TEST(BadValues, depth_must_be_above_zero) {
         Spoiled s;
         s.set("z", 399, bad);
         s.check();
-        EXPECT_SAYS(s.warning(), "z: depth is NaN or not above 0 in 1 sample; first: pixel (9, 9), sample 3");
+        EXPECT_SAYS(s.warning(),
+                    "z: depth is NaN or not above 0 in 1 sample; first: pixel (9, 9), sample 3");
         EXPECT_EQ(s.samples.size(), 399u);
     }
 }
@@ -92,8 +96,9 @@ TEST(BadValues, lens_positions_lie_in_the_disk) {
     s.set("uv", 0, 0.8f);
     s.set("uv", 1, -0.8f);
     s.check();
-    EXPECT_SAYS(s.warning(), "uv: lens position lies outside the unit disk in 1 sample; first: pixel (0, 0), "
-                             "sample 0, uv = (0.8, -0.8) (dropped)");
+    EXPECT_SAYS(s.warning(),
+                "uv: lens position lies outside the unit disk in 1 sample; first: pixel (0, 0), "
+                "sample 0, uv = (0.8, -0.8) (dropped)");
 }
 
 TEST(BadValues, a_light_is_a_square_without_pixels) {
@@ -106,7 +111,8 @@ TEST(BadValues, a_light_is_a_square_without_pixels) {
     EXPECT_TRUE(s.ctx.warnings.empty());
     s.set("uv", 3, 1.01f);
     s.check();
-    EXPECT_SAYS(s.warning(), "uv: position on the light lies outside [-1, 1] in 1 sample; first: sample 1,");
+    EXPECT_SAYS(s.warning(),
+                "uv: position on the light lies outside [-1, 1] in 1 sample; first: sample 1,");
     EXPECT_EQ(s.samples.size(), 399u);
 }
 
@@ -115,7 +121,8 @@ TEST(BadValues, time_lies_in_the_shutter) {
         Spoiled s;
         s.set("t", 5, bad);
         s.check();
-        EXPECT_SAYS(s.warning(), "t: time lies outside [0, 1] in 1 sample; first: pixel (1, 0), sample 1, t = ");
+        EXPECT_SAYS(s.warning(),
+                    "t: time lies outside [0, 1] in 1 sample; first: pixel (1, 0), sample 1, t = ");
     }
 }
 
@@ -127,8 +134,9 @@ TEST(BadValues, positions_may_be_a_pixel_outside_their_pixel) {
     EXPECT_TRUE(s.ctx.warnings.empty());
     s.set("xy", 2 * 222, 3.9f);
     s.check();
-    EXPECT_SAYS(s.warning(), "xy: position lies more than a pixel outside its pixel in 1 sample; first: pixel "
-                             "(5, 5), sample 2, xy = (3.9, 6.9) (dropped)");
+    EXPECT_SAYS(s.warning(),
+                "xy: position lies more than a pixel outside its pixel in 1 sample; first: pixel "
+                "(5, 5), sample 2, xy = (3.9, 6.9) (dropped)");
 }
 
 TEST(BadValues, motion_alpha_and_weight_are_numbers) {
@@ -161,9 +169,13 @@ TEST(BadValues, more_than_is_tolerated_is_an_error) {
     t.set("z", 50, 0);
     t.set("t", 51, 2);
     const std::string message = error_of([&] { t.check(); });
-    EXPECT_SAYS(message, "a.npz: 6 of 400 samples (1.5 %) cannot be used, more than the 1 % tolerated. ");
-    EXPECT_SAYS(message, "z: depth is NaN or not above 0 in 5 samples; first: pixel (0, 0), sample 0, z = 0");
-    EXPECT_SAYS(message, "t: time lies outside [0, 1] in 1 sample; first: pixel (2, 1), sample 3, t = 2");
+    EXPECT_SAYS(message,
+                "a.npz: 6 of 400 samples (1.5 %) cannot be used, more than the 1 % tolerated. ");
+    EXPECT_SAYS(
+        message,
+        "z: depth is NaN or not above 0 in 5 samples; first: pixel (0, 0), sample 0, z = 0");
+    EXPECT_SAYS(message,
+                "t: time lies outside [0, 1] in 1 sample; first: pixel (2, 1), sample 3, t = 2");
     EXPECT_SAYS(message, "set 'tolerate' of read-samples higher");
     t.check(0.02);
     EXPECT_EQ(t.samples.size(), 394u);
@@ -195,10 +207,13 @@ TEST(BadValues, findings_are_the_same_however_the_work_is_split) {
     // More samples than one piece of work, with faults on both sides of the seams.
     Samples many = small_buffer(256, 256, 4);
     std::vector<float> z(many.z().begin(), many.z().end());
-    for (const size_t i : {size_t{2047}, size_t{2048}, size_t{65535}, size_t{65536}, size_t{262143}}) z[i] = 0;
+    for (const size_t i :
+         {size_t{2047}, size_t{2048}, size_t{65535}, size_t{65536}, size_t{262143}})
+        z[i] = 0;
     many.add("z", 1, z);
     struct Backwards : PlainContext {
-        void parallel(size_t count, size_t grain, const std::function<void(size_t, size_t)>& work) override {
+        void parallel(size_t count, size_t grain,
+                      const std::function<void(size_t, size_t)>& work) override {
             for (size_t begin = (count - 1) / grain * grain;; begin -= grain) {
                 work(begin, std::min(count, begin + grain));
                 if (begin == 0) break;

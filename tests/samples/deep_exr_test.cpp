@@ -9,10 +9,10 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfRgbaFile.h>
 
+#include "sample_files.h"
 #include "samples/exr_channels.h"
 #include "samples/exr_header.h"
 #include "samples/write_deep_exr.h"
-#include "sample_files.h"
 
 namespace weft::testing {
 namespace {
@@ -48,7 +48,8 @@ TEST(DeepExr, channels_that_it_cannot_name_are_left_out) {
     PlainContext ctx;
     write_deep_exr(s, folder / "a.exr", false, ctx);
     ASSERT_EQ(ctx.warnings.size(), 1u);
-    EXPECT_SAYS(ctx.warnings[0], "a.exr: channel 'R' is left out: 'R' cannot be its name in a deep EXR");
+    EXPECT_SAYS(ctx.warnings[0],
+                "a.exr: channel 'R' is left out: 'R' cannot be its name in a deep EXR");
     expect_equal(small_buffer(), read_file(folder / "a.exr"));
 }
 
@@ -102,7 +103,8 @@ std::string foreign_file(const std::string& path, Imf::Compression compression) 
     std::vector<unsigned> counts{1, 0, 40, 2, 3, 1}, ids(47);
     std::vector<Imath::half> color(47);
     std::vector<float> depth(47);
-    for (size_t i = 0; i < 47; ++i) color[i] = float(i) / 4, depth[i] = float(i + 1), ids[i] = unsigned(i * i);
+    for (size_t i = 0; i < 47; ++i)
+        color[i] = float(i) / 4, depth[i] = float(i + 1), ids[i] = unsigned(i * i);
     std::vector<char*> colors, depths, idents;
     for (size_t pixel = 0, first = 0; pixel < 6; first += counts[pixel++]) {
         colors.push_back(reinterpret_cast<char*>(color.data() + first));
@@ -126,12 +128,14 @@ std::string foreign_file(const std::string& path, Imf::Compression compression) 
 
 TEST(DeepExr, another_programs_file_is_read_with_pixel_centres) {
     const TemporaryFolder folder;
-    for (const auto compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION}) {
+    for (const auto compression :
+         {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION}) {
         const FileBytes file = map_file(foreign_file(folder / "a.exr", compression));
         PlainContext ctx;
         const Samples s = read_sample_file(file, {.channels = {"*"}}, ctx);
         ASSERT_EQ(ctx.warnings.size(), 1u);
-        EXPECT_SAYS(ctx.warnings[0], "a.exr: no channels x, y: samples are taken to lie at their pixels' centres");
+        EXPECT_SAYS(ctx.warnings[0],
+                    "a.exr: no channels x, y: samples are taken to lie at their pixels' centres");
         EXPECT_EQ(s.width, 3);
         EXPECT_EQ(s.height, 2);
         EXPECT_EQ(s.spp, 0);
@@ -161,7 +165,8 @@ struct BrokenExr : ::testing::Test {
         return error_reading(path);
     }
     // Where the value of a header attribute begins.
-    static size_t value_of(const std::string& bytes, const std::string& name, const std::string& type) {
+    static size_t value_of(const std::string& bytes, const std::string& name,
+                           const std::string& type) {
         return bytes.find(name + '\0' + type + '\0') + name.size() + type.size() + 2 + 4;
     }
 };
@@ -169,7 +174,8 @@ struct BrokenExr : ::testing::Test {
 TEST_F(BrokenExr, every_cut_is_an_error) {
     const std::string whole = good();
     expect_cuts_refused(whole);
-    EXPECT_SAYS(says_of(whole.substr(0, whole.size() / 2)), "lies outside the file; it is cut short or damaged");
+    EXPECT_SAYS(says_of(whole.substr(0, whole.size() / 2)),
+                "lies outside the file; it is cut short or damaged");
     EXPECT_SAYS(says_of(whole.substr(0, 100)), "a.exr: cut short");
 }
 
@@ -194,13 +200,15 @@ TEST_F(BrokenExr, what_it_is_not) {
         flat.setFrameBuffer(pixels.data(), 1, 4);
         flat.writePixels(3);
     }
-    EXPECT_SAYS(error_reading(path), "an EXR picture without deep samples; expected a deep EXR, or use read-image");
+    EXPECT_SAYS(error_reading(path),
+                "an EXR picture without deep samples; expected a deep EXR, or use read-image");
     std::string bytes = good();
     bytes.replace(value_of(bytes, "type", "string"), 12, "deeptile\0\0\0\0", 12);
     EXPECT_SAYS(says_of(bytes), "no deep scanline part in this EXR");
     bytes = good();
     bytes[value_of(bytes, "compression", "compression")] = 3;
-    EXPECT_SAYS(says_of(bytes), "deep samples packed by method 3; this program reads none, RLE and ZIPS");
+    EXPECT_SAYS(says_of(bytes),
+                "deep samples packed by method 3; this program reads none, RLE and ZIPS");
     Samples s = small_buffer();
     std::erase_if(s.channels, [](const Channel& c) { return c.name == "rgb"; });
     PlainContext ctx;
@@ -211,7 +219,8 @@ TEST_F(BrokenExr, what_it_is_not) {
 TEST_F(BrokenExr, lines_that_were_never_written_are_named) {
     std::string bytes = good();
     const ExrHeader header = read_exr_header(file_of(bytes));
-    const size_t table = bytes.find(std::string(reinterpret_cast<const char*>(header.offsets.data()), 24));
+    const size_t table =
+        bytes.find(std::string(reinterpret_cast<const char*>(header.offsets.data()), 24));
     std::memset(&bytes[table + 8], 0, 8);
     EXPECT_SAYS(says_of(bytes), "line 1 is missing; the file was not finished");
     std::memcpy(&bytes[table + 8], &header.offsets[2], 8);

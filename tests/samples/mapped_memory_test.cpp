@@ -2,8 +2,8 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
-#include "samples/write_npz.h"
 #include "sample_files.h"
+#include "samples/write_npz.h"
 
 namespace weft::testing {
 namespace {

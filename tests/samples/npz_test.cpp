@@ -1,7 +1,7 @@
 #include "samples/write_npz.h"
 
-#include "samples/zip_reader.h"
 #include "sample_files.h"
+#include "samples/zip_reader.h"
 
 namespace weft::testing {
 namespace {
@@ -125,7 +125,8 @@ TEST(Npz, damage_in_a_channel_that_is_not_read_does_no_harm) {
         if (m.name == "albedo.npy") bytes[size_t(&m.packed.back() - file.bytes.data())] ^= 1;
     put_bytes(folder / "b.npz", bytes);
     EXPECT_FALSE(read_file(folder / "b.npz", {}).find("albedo"));
-    EXPECT_SAYS(error_reading(folder / "b.npz", {.channels = {"albedo"}}), "'albedo.npy' has checksum");
+    EXPECT_SAYS(error_reading(folder / "b.npz", {.channels = {"albedo"}}),
+                "'albedo.npy' has checksum");
 }
 
 TEST(Npz, sizes_of_64_bits_are_written_and_read) {
@@ -133,8 +134,10 @@ TEST(Npz, sizes_of_64_bits_are_written_and_read) {
     const Samples s = small_buffer();
     std::vector<Member> members{meta_member(s.meta_object().dump())};
     for (const Channel& c : s.channels)
-        members.push_back(member(c.name, c.components, {c.values.view().begin(), c.values.view().end()}));
-    put_npz(folder / "a.npz", members, false, 200);  // every member and offset over 200 bytes is "large"
+        members.push_back(
+            member(c.name, c.components, {c.values.view().begin(), c.values.view().end()}));
+    put_npz(folder / "a.npz", members, false,
+            200);  // every member and offset over 200 bytes is "large"
     const std::string bytes = bytes_in(folder / "a.npz");
     EXPECT_NE(bytes.find("PK\x06\x06"), std::string::npos);
     expect_equal(s, read_file(folder / "a.npz"));
@@ -148,7 +151,8 @@ TEST(Npz, writing_makes_folders_and_leaves_no_half_file) {
     ctx.stop = true;
     EXPECT_THROW(write_npz(small_buffer(), folder / "b.npz", false, ctx), Cancelled);
     size_t files = 0;
-    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        ++files;
     EXPECT_EQ(files, 1u);  // the folder "deep"
 }
 

@@ -1,9 +1,9 @@
 // Files that numpy wrote, and numpy's view of ours.
 #include <cstdio>
 
+#include "sample_files.h"
 #include "samples/write_npz.h"
 #include "samples/zip_reader.h"
-#include "sample_files.h"
 
 namespace weft::testing {
 namespace {
@@ -16,7 +16,8 @@ struct Numpy : ::testing::Test {
     }
     int run(const std::string& script) {
         put_bytes(folder / "script.py", script);
-        return std::system(("cd '" + folder.path() + "' && /usr/bin/python3 script.py 2> errors").c_str());
+        return std::system(
+            ("cd '" + folder.path() + "' && /usr/bin/python3 script.py 2> errors").c_str());
     }
     void must_run(const std::string& script) {
         ASSERT_EQ(run(script), 0) << bytes_in(folder / "errors");
@@ -81,8 +82,8 @@ TEST_F(Numpy, savez_and_savez_compressed_are_read) {
 }
 
 TEST_F(Numpy, its_large_zips_are_read) {
-    must_run("import zipfile\nzipfile.ZIP64_LIMIT = 100\nzipfile.ZIP_FILECOUNT_LIMIT = 2\n" + make_buffer +
-             "np.savez('a.npz', **s)\n" + print_sums);
+    must_run("import zipfile\nzipfile.ZIP64_LIMIT = 100\nzipfile.ZIP_FILECOUNT_LIMIT = 2\n" +
+             make_buffer + "np.savez('a.npz', **s)\n" + print_sums);
     EXPECT_NE(bytes_in(folder / "a.npz").find("PK\x06\x06"), std::string::npos);
     expect_sums(read_file(folder / "a.npz"), bytes_in(folder / "sums"));
 }
@@ -97,7 +98,8 @@ TEST_F(Numpy, what_it_writes_otherwise_is_refused_with_the_way_out) {
     EXPECT_SAYS(says("s['z'] = s['z'].astype('>f4')"), "a.npz: 'z' is big-endian ('>f4')");
     EXPECT_SAYS(says("s['z'] = s['z'].astype(object)"), "a.npz: 'z' is an array of Python objects");
     EXPECT_SAYS(says("s['z'] = np.arange(N)"), "a.npz: 'z' has type '<i8'");
-    EXPECT_SAYS(says("s['z'] = np.zeros(N, dtype=[('a', 'f4')])"), "a.npz: 'z' is an array of records");
+    EXPECT_SAYS(says("s['z'] = np.zeros(N, dtype=[('a', 'f4')])"),
+                "a.npz: 'z' is an array of records");
 }
 
 TEST_F(Numpy, the_lines_in_the_documentation_make_a_file) {
@@ -134,7 +136,8 @@ assert a['five_things'][3, 2] == 1
 }
 
 TEST_F(Numpy, it_reads_our_sizes_of_64_bits) {
-    put_npz(folder / "ours.npz", {member("a", 1, std::vector<float>(100, 2)), member("b", 1, {1, 2, 3})}, false, 100);
+    put_npz(folder / "ours.npz",
+            {member("a", 1, std::vector<float>(100, 2)), member("b", 1, {1, 2, 3})}, false, 100);
     must_run(R"(
 import zipfile, numpy as np
 assert zipfile.ZipFile('ours.npz').testzip() is None

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "sample_files.h"
 #include "samples/ilfr.h"
 #include "samples/tlfr.h"
-#include "sample_files.h"
 
 namespace weft::testing {
 namespace {
@@ -26,7 +26,9 @@ TEST(Tlfr, comes_back_bit_for_bit) {
 TEST(Tlfr, what_is_not_there_stays_away) {
     const TemporaryFolder folder;
     Samples s = small_buffer();
-    std::erase_if(s.channels, [](const Channel& c) { return c.name == "uv" || c.name == "t" || c.name == "motion"; });
+    std::erase_if(s.channels, [](const Channel& c) {
+        return c.name == "uv" || c.name == "t" || c.name == "motion";
+    });
     s.lens.reset();
     PlainContext ctx;
     write_sample_file(s, folder / "a.tlfr", {}, ctx);
@@ -40,7 +42,8 @@ TEST(Tlfr, infinity_is_written_as_1e10_without_motion) {
     s.add("motion", 3, {1, 2, 3});
     PlainContext ctx;
     write_sample_file(s, folder / "a.tlfr", {.text = true}, ctx);
-    EXPECT_SAYS(ctx.warnings.at(0), "a.tlfr: TLFR 1.3 holds no motion of what is infinitely far: that of 1 sample");
+    EXPECT_SAYS(ctx.warnings.at(0),
+                "a.tlfr: TLFR 1.3 holds no motion of what is infinitely far: that of 1 sample");
     EXPECT_SAYS(bytes_in(folder / "a.tlfr"), ",0,1e+10,");
     const Samples back = read_file(folder / "a.tlfr");
     EXPECT_EQ(back.z()[0], inf);
@@ -56,8 +59,10 @@ TEST(Tlfr, what_it_cannot_hold_is_named) {
     write_sample_file(s, folder / "a.tlfr", {}, ctx);
     ASSERT_EQ(ctx.warnings.size(), 1u);
     EXPECT_SAYS(ctx.warnings[0],
-                "a.tlfr: TLFR 1.3 cannot hold alpha, weight, albedo, five_things, id, the lens' aspect, blades and "
-                "rotation, the colour space (ACEScg), 'source' of meta, 'shutter' of meta; write .npz to keep them");
+                "a.tlfr: TLFR 1.3 cannot hold alpha, weight, albedo, five_things, id, the lens' "
+                "aspect, blades and "
+                "rotation, the colour space (ACEScg), 'source' of meta, 'shutter' of meta; write "
+                ".npz to keep them");
     Samples uneven = small_buffer();
     uneven.spp = 0;
     EXPECT_SAYS(error_of([&] { write_sample_file(uneven, folder / "b.tlfr", {}, ctx); }),
@@ -72,8 +77,8 @@ const std::string published_header =
     "CoC coefficients (coc radius = C0/w+C1): -35.084953,4.079645\nEncoding = text\n"
     "x,y,z/w,w,u,v,t,r,g,b,a,mv_x,mv_y,mv_w,dwdx,dwdy\n";
 const std::string published_records =
-    "0.500000,0.250000,0.900000,8.600000,0.125000,-0.250000,0.500000,0.100000,0.200000,0.300000,0.300000,1.000000,"
-    "2.000000,3.000000,0.000000,0.000000,\n"
+    "0.500000,0.250000,0.900000,8.600000,0.125000,-0.250000,0.500000,0.100000,0.200000,0.300000,"
+    "0.300000,1.000000,2.000000,3.000000,0.000000,0.000000,\n"
     "1.500000,0.750000,0.900000,10000000000.000000,0.0,0.0,0.250000,1.0,1.0,1.0,1.0,0,0,0,0,0,\n";
 
 TEST(Tlfr, text_with_the_header_in_front_is_read) {
@@ -94,7 +99,8 @@ TEST(Tlfr, text_with_the_header_in_front_is_read) {
     put_bytes(folder / "b.txt.header", published_header);
     expect_equal(s, read_file(folder / "b.txt"));
     std::string windows = published_header + published_records;
-    for (size_t at = 0; (at = windows.find('\n', at)) != std::string::npos; at += 2) windows.insert(at, "\r");
+    for (size_t at = 0; (at = windows.find('\n', at)) != std::string::npos; at += 2)
+        windows.insert(at, 1, '\r');
     put_bytes(folder / "c.txt", windows);
     expect_equal(s, read_file(folder / "c.txt"));
 }
@@ -112,30 +118,42 @@ struct BrokenRecords : ::testing::Test {
 
 TEST_F(BrokenRecords, headers) {
     const std::string& good = published_header;
-    EXPECT_SAYS(says(with(good, "1.3", "1.4")), "a.txt:1: version 1.4; this program reads TLFR 1.3 and ILFR 2.2");
+    EXPECT_SAYS(says(with(good, "1.3", "1.4")),
+                "a.txt:1: version 1.4; this program reads TLFR 1.3 and ILFR 2.2");
     EXPECT_SAYS(says(with(good, "Version 1.3", "Version 2.0")), "version 2.0");
-    EXPECT_SAYS(says(with(good, "Width 2", "Width 0")), "a.txt:2: Width is '0'; expected a whole number from 1");
+    EXPECT_SAYS(says(with(good, "Width 2", "Width 0")),
+                "a.txt:2: Width is '0'; expected a whole number from 1");
     EXPECT_SAYS(says(with(good, "Height", "Depth")), "a.txt:3: 'Depth 1'; expected 'Height ...'");
-    EXPECT_SAYS(says(with(good, "Samples per pixel 1", "Samples per pixel -1")), "a.txt:4: Samples per pixel is '-1'");
-    EXPECT_SAYS(says(with(good, ",4.079645", "")), "a.txt:5: 'CoC coefficients (coc radius = C0/w+C1):' needs 2 numbers");
-    EXPECT_SAYS(says(with(good, "= text", "= morse")), "a.txt:6: encoding 'morse'; expected text or binary");
+    EXPECT_SAYS(says(with(good, "Samples per pixel 1", "Samples per pixel -1")),
+                "a.txt:4: Samples per pixel is '-1'");
+    EXPECT_SAYS(says(with(good, ",4.079645", "")),
+                "a.txt:5: 'CoC coefficients (coc radius = C0/w+C1):' needs 2 numbers");
+    EXPECT_SAYS(says(with(good, "= text", "= morse")),
+                "a.txt:6: encoding 'morse'; expected text or binary");
     EXPECT_SAYS(says(with(good, "x,y,", "")), "expected the names of the fields");
-    EXPECT_SAYS(says(with(with(good, "Width 2", "Width 2000000000"), "Height 1", "Height 2000000000")),
-                "are more than any file holds");
-    EXPECT_SAYS(says(with(good, "= text", "= binary")), "a header of binary data with no data beside it");
+    EXPECT_SAYS(
+        says(with(with(good, "Width 2", "Width 2000000000"), "Height 1", "Height 2000000000")),
+        "are more than any file holds");
+    EXPECT_SAYS(says(with(good, "= text", "= binary")),
+                "a header of binary data with no data beside it");
     EXPECT_SAYS(says("Version "), "a.txt:1: version ;");
 }
 
 TEST_F(BrokenRecords, text) {
     const std::string good = published_header + published_records;
     const std::string first = published_records.substr(0, published_records.find('\n') + 1);
-    EXPECT_SAYS(says(published_header), "0 bytes of text cannot hold 2 records of 16 numbers: the file is cut short");
-    EXPECT_SAYS(says(published_header + first + std::string(40, ' ')), "a.txt:9: the text ends after 1 of 2 records");
+    EXPECT_SAYS(says(published_header),
+                "0 bytes of text cannot hold 2 records of 16 numbers: the file is cut short");
+    EXPECT_SAYS(says(published_header + first + std::string(40, ' ')),
+                "a.txt:9: the text ends after 1 of 2 records");
     EXPECT_SAYS(says(published_header + published_records.substr(0, 200)), "a.txt:9: ");
-    EXPECT_SAYS(says(good + published_records), "a.txt:10: more lines than the 2 records of the header");
-    EXPECT_SAYS(says(with(good, "0.250000,", "a quarter,")), "a.txt:8: 1 numbers, then 'a quarter,0.900000,8");
+    EXPECT_SAYS(says(good + published_records),
+                "a.txt:10: more lines than the 2 records of the header");
+    EXPECT_SAYS(says(with(good, "0.250000,", "a quarter,")),
+                "a.txt:8: 1 numbers, then 'a quarter,0.900000,8");
     EXPECT_SAYS(says(with(good, "0,0,0,\n", "0,0,0,7\n")), "a.txt:9: more than 16 numbers");
-    EXPECT_SAYS(says(with(good, "Width 2", "Width 1000000")), "cannot hold 1000000 records of 16 numbers");
+    EXPECT_SAYS(says(with(good, "Width 2", "Width 1000000")),
+                "cannot hold 1000000 records of 16 numbers");
 }
 
 TEST_F(BrokenRecords, binary_of_the_wrong_length) {
@@ -144,7 +162,8 @@ TEST_F(BrokenRecords, binary_of_the_wrong_length) {
     const std::string whole = bytes_in(folder / "a.tlfr");
     put_bytes(folder / "a.tlfr", whole.substr(0, whole.size() - 4));
     EXPECT_SAYS(error_reading(folder / "a.tlfr"),
-                "a.tlfr: 1532 bytes; 4 x 3 pixels of 2 samples of 64 bytes make 1536: the file is cut short");
+                "a.tlfr: 1532 bytes; 4 x 3 pixels of 2 samples of 64 bytes make 1536: the file is "
+                "cut short");
     put_bytes(folder / "a.tlfr", whole + "1234");
     EXPECT_SAYS(error_reading(folder / "a.tlfr"), "make 1536: the file is not of this header");
     std::filesystem::remove(folder / "a.tlfr.header");
@@ -157,8 +176,11 @@ TEST_F(BrokenRecords, values_are_checked) {
     PlainContext ctx;
     const Samples s = read_sample_file(map_file(folder / "a.txt"), {.tolerate = 1}, ctx);
     EXPECT_EQ(s.size(), 1u);
-    EXPECT_SAYS(ctx.warnings.at(0), "z: depth is NaN or not above 0 in 1 sample; first: pixel (0, 0), sample 0, z = nan");
-    EXPECT_SAYS(says(with(good, "-0.250000,", "-1.5,")), "lens position lies outside the unit disk");
+    EXPECT_SAYS(
+        ctx.warnings.at(0),
+        "z: depth is NaN or not above 0 in 1 sample; first: pixel (0, 0), sample 0, z = nan");
+    EXPECT_SAYS(says(with(good, "-0.250000,", "-1.5,")),
+                "lens position lies outside the unit disk");
 }
 
 TEST(Ilfr, a_buffer_in_pixels_comes_back) {
@@ -176,7 +198,8 @@ TEST(Ilfr, a_buffer_in_pixels_comes_back) {
     }
 }
 
-// A camera 8.6 units from its plane in focus, which pixels see from -0.75 to 0.75, looking along -z.
+// A camera 8.6 units from its plane in focus, which pixels see from -0.75 to 0.75, looking along
+// -z.
 std::string camera_file(const TemporaryFolder& folder) {
     RecordHeader header;
     header.kind = RecordKind::ilfr;
@@ -185,13 +208,15 @@ std::string camera_file(const TemporaryFolder& folder) {
     header.spp = 1;
     header.c0 = -35;
     header.c1 = 4;
-    header.pixel_to_camera = {0.375f, 0, 0, -0.75f, 0, -0.375f, 0, 0.375f, 0, 0, 0, -8.6f, 0, 0, 0, 1};
+    header.pixel_to_camera = {0.375f, 0, 0, -0.75f, 0, -0.375f, 0, 0.375f,
+                              0,      0, 0, -8.6f,  0, 0,       0, 1};
     PlainContext ctx;
     write_records(folder / "a.ilfr", header, ctx, [&](size_t i, std::span<float> record) {
         for (size_t k = 0; k < record.size(); ++k) record[k] = float(k) / 64;
         record[0] = float(i % 4) + 0.5f;
         record[1] = float(i / 4) + 0.5f;
-        // A hit at twice the distance of the plane in focus, seen at pixel (3, 1) from the lens centre.
+        // A hit at twice the distance of the plane in focus, seen at pixel (3, 1) from the lens
+        // centre.
         record[18] = 0.75f;
         record[19] = 0;
         record[20] = -17.2f;
@@ -247,7 +272,8 @@ TEST(Ilfr, a_matrix_that_shows_no_depth_is_refused) {
     std::string header = bytes_in(path + ".header");
     const size_t at = header.find("0.375,0,0,-0.75");
     put_bytes(path + ".header", header.replace(at, 15, "0,0,0,0"));
-    EXPECT_SAYS(error_reading(path), "pixel-to-camera matrix does not take pixels to a plane before the camera");
+    EXPECT_SAYS(error_reading(path),
+                "pixel-to-camera matrix does not take pixels to a plane before the camera");
 }
 
 TEST(Formats, are_told_by_content) {
@@ -260,8 +286,9 @@ TEST(Formats, are_told_by_content) {
     for (const char* name : {"a", "b.npz", "c.exr"}) expect_equal(s, read_file(folder / name));
     EXPECT_EQ(format_of(map_file(folder / "b.npz")), SampleFormat::deep_exr);
     EXPECT_EQ(name_of(*format_of(map_file(folder / "c.exr"))), "TLFR 1.3");
-    EXPECT_SAYS(error_of([&] { write_sample_file(s, folder / "a.b/c", {}, ctx); }),
-                "does not say which format to write; name it .npz, .exr, .tlfr or .ilfr, or set 'format'");
+    EXPECT_SAYS(
+        error_of([&] { write_sample_file(s, folder / "a.b/c", {}, ctx); }),
+        "does not say which format to write; name it .npz, .exr, .tlfr or .ilfr, or set 'format'");
 }
 
 }  // namespace

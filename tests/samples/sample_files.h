@@ -2,10 +2,10 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -23,7 +23,8 @@ namespace weft::testing {
 class TemporaryFolder {
   public:
     TemporaryFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "weft-samples-XXXXXX").string();
+        std::string pattern =
+            (std::filesystem::temp_directory_path() / "weft-samples-XXXXXX").string();
         if (!::mkdtemp(pattern.data())) throw Error("no temporary folder");
         path_ = pattern;
     }
@@ -50,7 +51,10 @@ inline void put_bytes(const std::string& path, std::string_view bytes) {
 
 // A file that is only in memory; `bytes` must outlive it.
 inline FileBytes file_of(const std::string& bytes, std::string name = "a") {
-    return {std::move(name), {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, nullptr, false};
+    return {std::move(name),
+            {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+            nullptr,
+            false};
 }
 
 constexpr float inf = std::numeric_limits<float>::infinity();
@@ -73,7 +77,8 @@ inline Samples small_buffer(int width = 4, int height = 3, int spp = 2) {
     };
     for (size_t i = 0; i < n; ++i) {
         const size_t pixel = i / size_t(spp);
-        xy.insert(xy.end(), {float(pixel % size_t(width)) + random(), float(pixel / size_t(width)) + random()});
+        xy.insert(xy.end(), {float(pixel % size_t(width)) + random(),
+                             float(pixel / size_t(width)) + random()});
         uv.insert(uv.end(), {1.4f * random() - 0.7f, 1.4f * random() - 0.7f});
         t.push_back(random());
         z.push_back(i % 5 == 4 ? inf : 1 + 9 * random());
@@ -114,7 +119,8 @@ inline Samples rich_buffer() {
     return s;
 }
 
-inline Samples read_file(const std::string& path, const ReadOptions& options = {.channels = {"*"}}) {
+inline Samples read_file(const std::string& path,
+                         const ReadOptions& options = {.channels = {"*"}}) {
     PlainContext ctx;
     Samples s = read_sample_file(map_file(path), options, ctx);
     EXPECT_TRUE(ctx.warnings.empty()) << ctx.warnings[0];
@@ -138,8 +144,9 @@ inline void expect_equal(const Samples& a, const Samples& b) {
         EXPECT_EQ(c.components, d->components) << c.name;
         EXPECT_EQ(c.role, d->role) << c.name;
         ASSERT_EQ(c.values.size(), d->values.size()) << c.name;
-        EXPECT_TRUE(c.values.empty() || 0 == std::memcmp(c.values.view().data(), d->values.view().data(),
-                                                         c.values.view().size_bytes()))
+        EXPECT_TRUE(c.values.empty() ||
+                    0 == std::memcmp(c.values.view().data(), d->values.view().data(),
+                                     c.values.view().size_bytes()))
             << c.name;
         EXPECT_TRUE(std::ranges::equal(c.ids.view(), d->ids.view())) << c.name;
     }
@@ -203,8 +210,8 @@ inline Member member(std::string name, int components, const std::vector<float>&
 inline Member meta_member(const std::string& text) {
     return {"meta", "|u1", {text.size()}, text};
 }
-inline void put_npz(const std::string& path, const std::vector<Member>& members, bool deflate = false,
-                    std::uint64_t zip64_from = 0xffffffff) {
+inline void put_npz(const std::string& path, const std::vector<Member>& members,
+                    bool deflate = false, std::uint64_t zip64_from = 0xffffffff) {
     ZipWriter zip(path, zip64_from);
     for (const Member& m : members) {
         ZipPiece piece{m.name + ".npy",
