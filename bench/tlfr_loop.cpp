@@ -2,7 +2,7 @@
 //   bench_tlfr_loop SAMPLES.npz [REFERENCE.exr] [--locations N] [--repeat N] [--block N] [--exponent P] ...
 // Prints nanoseconds a location, all in and by kernel, the median of --repeat runs with its range, and
 // relMSE against the reference. One thread. `weft run graphs/tlfr.json --threads 1` runs the same kernels
-// as separate nodes: bench/tlfr_segment.py compares the two.
+// as separate nodes.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -167,7 +167,7 @@ void cluster(const Candidates& c, const SameSurface& test, ClusterScratch& scrat
     std::fill(out.surface.begin(), out.surface.begin() + std::ptrdiff_t(candidates), std::uint16_t(0));
     // No two candidates can conflict where these hold (Candidates::spread).
     const auto bound = [&](float way, float step) {
-        return std::int32_t(std::clamp(way > 0 ? test.tolerance / (way * step) - 1.0f : 1e9f, -1.0f, 255.0f));
+        return std::int32_t(std::floor(std::clamp(way > 0 ? test.tolerance / (way * step) - 1.0f : 1e9f, -1.0f, 255.0f)));
     };
     const float stretch = std::max(1.0f, c.hierarchy->lens.aspect);
     const std::int32_t slope = bound(test.box * stretch, c.slope_step), velocity = bound(0.5f * test.box, c.velocity_step);
