@@ -1,0 +1,33 @@
+// Textures: colours out of a scene's texture files, loaded piece by piece into a cache of bounded
+// size. OpenImageIO does the work, in a module that is loaded by the first scene that has a
+// texture.
+#pragma once
+#include <memory>
+#include <span>
+
+#include "render/scene.h"
+
+namespace weft {
+
+class Textures {
+  public:
+    virtual ~Textures() = default;
+
+    // Looks `uv` up, a batch at once. A texture's v runs down from its top row, as in glTF.
+    //   uv      N, in the map's own coordinates (TextureMap's offset, scale, rotation done by the
+    //   caller: see place()) width   N footprints in uv units: no finer level than this asks for is
+    //   read; 0: the finest random  N numbers in [0, 1) that choose between two levels and between
+    //   neighbouring texels rgba    N x 4: colour files in the scene's colour space, others as they
+    //   are; alpha 1 where a file has none
+    // Pure: the same arguments give the same bits, whatever was asked before. Throws Error (a file
+    // is damaged). Threads: any.
+    virtual void lookup(int file, TextureMap::Wrap wrap_u, TextureMap::Wrap wrap_v,
+                        std::span<const Vec2> uv, std::span<const float> width,
+                        std::span<const float> random, std::span<float> rgba) const = 0;
+};
+
+// Opens every file that the scene's materials use; throws Error naming the file that is missing or
+// no picture. A scene without textures costs nothing.
+std::unique_ptr<Textures> open_textures(const Scene& scene, size_t cache_bytes = size_t(256) << 20);
+
+}  // namespace weft
