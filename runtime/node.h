@@ -16,6 +16,23 @@
 // Scratch&) const` for the start of a tile. Any node may have `Cost cost(const Shapes&) const`.
 // In a batch inputs are values and batches alike; outputs keep their memory from batch to batch.
 // What is wrong with the data is said by throwing Error (or ctx.fail).
+//
+// Shards (`weft run --shard I/N`, `weft merge`): a sink and a value node may let their work be divided.
+//
+//   sink    void save(const Inputs&, const Scratch&, ByteWriter& to) const   in a shard, in place of end()
+//           void load(const Inputs&, ByteReader& from, Scratch&) const       in the merge, after begin() and before end()
+//   value   size_t pieces(const Inputs&) const                               run() is the same as all pieces, joined
+//           void piece(const Inputs&, size_t index, ByteWriter& to, Context&) const    one of them
+//           void join(const Pieces&, Outputs&, Context&) const               in the merge, in place of run()
+//           bool divides() const                                             optional: whether it can, as it is set
+//
+// A shard I of N makes every N-th tile or piece, in any order, several at once; how many pieces there are and
+// what each holds depends on inputs and parameters alone, never on N. The merge has none of the inputs:
+// what open, load, end, close or join need of them goes into the bytes, and bit for bit. A merge's
+// Scratch lives until close() is done. save(), load() and join() move data; they do not compute.
+//
+// A node whose result depends on further files than its file parameters (the textures of a scene)
+// names them: `std::vector<std::string> reads() const`. They enter its key and the provenance.
 #pragma once
 #include <array>
 #include <functional>
@@ -27,6 +44,7 @@
 #include <vector>
 
 #include "graph/declaration.h"
+#include "runtime/bytes.h"
 #include "runtime/context.h"
 #include "runtime/value.h"
 
@@ -173,6 +191,14 @@ class NodeInstance {
     virtual void take(const Inputs&, void*) const {}
     virtual void end(const Inputs&, void*, void*) const {}
     virtual void close(const Inputs&, void*, Outputs&, Context&) const {}
+
+    virtual std::vector<std::string> reads() const { return {}; }
+    virtual bool divides() const { return false; }
+    virtual void save(const Inputs&, const void*, ByteWriter&) const {}
+    virtual void load(const Inputs&, ByteReader&, void*) const {}
+    virtual size_t pieces(const Inputs&) const { return 0; }
+    virtual void piece(const Inputs&, size_t, ByteWriter&, Context&) const {}
+    virtual void join(const Pieces&, Outputs&, Context&) const {}
 };
 
 class NodeType {
@@ -393,6 +419,45 @@ class NodeOf final : public NodeInstance {
     }
     void close(const Inputs& in, void* result, Outputs& out, Context& ctx) const override {
         if constexpr (form_of() == Form::sink) node.close(in, *static_cast<Result*>(result), out, ctx);
+    }
+
+    std::vector<std::string> reads() const override {
+        if constexpr (requires { node.reads(); }) return node.reads();
+        else return {};
+    }
+    static constexpr bool can_divide() {
+        if constexpr (form_of() == Form::sink)
+            return requires(const Node& n, const Inputs& in, Scratch& s, ByteWriter& to, ByteReader& from) {
+                n.save(in, s, to);
+                n.load(in, from, s);
+            };
+        else
+            return requires(const Node& n, const Inputs& in, ByteWriter& to, const Pieces& all, Outputs& out, Context& ctx) {
+                n.pieces(in);
+                n.piece(in, size_t{}, to, ctx);
+                n.join(all, out, ctx);
+            };
+    }
+    bool divides() const override {
+        if constexpr (can_divide() && requires { node.divides(); }) return node.divides();
+        else return can_divide();
+    }
+    void save([[maybe_unused]] const Inputs& in, [[maybe_unused]] const void* scratch, [[maybe_unused]] ByteWriter& to) const override {
+        if constexpr (form_of() == Form::sink && can_divide()) node.save(in, *static_cast<const Scratch*>(scratch), to);
+    }
+    void load([[maybe_unused]] const Inputs& in, [[maybe_unused]] ByteReader& from, [[maybe_unused]] void* scratch) const override {
+        if constexpr (form_of() == Form::sink && can_divide()) node.load(in, from, *static_cast<Scratch*>(scratch));
+    }
+    size_t pieces([[maybe_unused]] const Inputs& in) const override {
+        if constexpr (form_of() == Form::value && can_divide()) return node.pieces(in);
+        else return 0;
+    }
+    void piece([[maybe_unused]] const Inputs& in, [[maybe_unused]] size_t index, [[maybe_unused]] ByteWriter& to,
+               [[maybe_unused]] Context& ctx) const override {
+        if constexpr (form_of() == Form::value && can_divide()) node.piece(in, index, to, ctx);
+    }
+    void join([[maybe_unused]] const Pieces& all, [[maybe_unused]] Outputs& out, [[maybe_unused]] Context& ctx) const override {
+        if constexpr (form_of() == Form::value && can_divide()) node.join(all, out, ctx);
     }
 };
 

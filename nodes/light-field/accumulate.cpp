@@ -9,6 +9,7 @@
 
 #include "filters/pixel_filters.h"
 #include "image/image.h"
+#include "light-field/color_space_bytes.h"
 #include "light-field/streams.h"
 #include "runtime/node.h"
 
@@ -41,6 +42,7 @@ struct Accumulate {
         std::vector<float> sums;  // of each of the tile's pixels, for each pixel around it
         std::vector<float> wx, wy;
         const std::string* color_space = nullptr;
+        std::string loaded_space;
     };
     struct Result {
         Extent extent;
@@ -114,6 +116,15 @@ struct Accumulate {
             std::copy_n(&scratch.sums[size_t(y - tile.y0) * row], row,
                         &result.sums[(size_t(y) * size_t(result.extent.width) + size_t(tile.x0)) * each]);
         if (scratch.color_space) result.color_space = scratch.color_space;
+    }
+
+    void save(const Inputs&, const Scratch& scratch, ByteWriter& to) const {
+        to.put_all(scratch.sums);
+        save_color_space(scratch.color_space, to);
+    }
+    void load(const Inputs&, ByteReader& from, Scratch& scratch) const {
+        from.fill(scratch.sums);
+        scratch.color_space = load_color_space(from, scratch.loaded_space);
     }
 
     void close(const Inputs&, Result& result, Outputs& out, Context& ctx) const {

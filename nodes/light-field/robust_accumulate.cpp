@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "image/image.h"
+#include "light-field/color_space_bytes.h"
 #include "light-field/streams.h"
 #include "runtime/node.h"
 
@@ -29,6 +30,7 @@ struct RobustAccumulate {
         std::vector<std::uint32_t> taken;     // locations so far, of each pixel
         std::vector<std::pair<float, size_t>> order;
         const std::string* color_space = nullptr;
+        std::string loaded_space;
     };
     struct Result {
         Image image;
@@ -72,6 +74,14 @@ struct RobustAccumulate {
                 for (int k = 0; k < 3; ++k) result.image.at(x, y)[k] = sum[k] / sum[3];
             }
         if (scratch.color_space) result.color_space = scratch.color_space;
+    }
+    void save(const Inputs&, const Scratch& scratch, ByteWriter& to) const {
+        to.put_all(scratch.sums);
+        save_color_space(scratch.color_space, to);
+    }
+    void load(const Inputs&, ByteReader& from, Scratch& scratch) const {
+        from.fill(scratch.sums);
+        scratch.color_space = load_color_space(from, scratch.loaded_space);
     }
     void close(const Inputs&, Result& result, Outputs& out, Context&) const {
         if (const std::string* space = result.color_space) result.image.color_space = *space;

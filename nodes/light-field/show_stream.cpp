@@ -48,6 +48,8 @@ struct Show {
             for (int x = tile.x0; x < tile.x1; ++x, of += channels + 1)
                 for (size_t k = 0; k < channels && of[channels] > 0; ++k) result.image.at(x, y)[k] = of[k] / of[channels];
     }
+    void save(const Inputs&, const Scratch& scratch, ByteWriter& to) const { to.put_all(scratch.sums); }
+    void load(const Inputs&, ByteReader& from, Scratch& scratch) const { from.fill(scratch.sums); }
     void close(const Inputs&, Result& result, Outputs& out, Context&) const { out.set("image", std::move(result.image)); }
 };
 
