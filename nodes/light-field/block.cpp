@@ -30,15 +30,28 @@ void collect(const Hierarchy& h, int x0, int y0, int x1, int y1, float reach, Bl
     take(g.y_high, block.y_high, -2e30f);
     block.seen.resize(n + spare);
 
+    // Ranges of slope and velocity, and their means.
     float low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f};
-    for (std::uint32_t i : block.group) {
-        if (g.slope_spread[i] > 1e29f) continue;  // not bounded: if one of them is seen, spreads are not known
+    double mean[3] = {};
+    size_t bounded = 0;
+    for (size_t k = 0; k < n; ++k) {
+        const std::uint32_t i = block.group[k];
+        if (g.slope_spread[i] > 1e29f) continue;
         const float middle[3] = {g.slope[i], g.velocity_x[i], g.velocity_y[i]};
         const float half[3] = {g.slope_spread[i], g.velocity_x_spread[i], g.velocity_y_spread[i]};
         for (int part = 0; part < 3; ++part) {
             low[part] = std::min(low[part], middle[part] - half[part]);
             high[part] = std::max(high[part], middle[part] + half[part]);
+            mean[part] += double(middle[part]);
         }
+        ++bounded;
+    }
+    // Steps coarser than this could not tell surfaces from one another; what is out of range then is marked.
+    const float most_range[3] = {254 * 0.15f, 254 * 0.3f, 254 * 0.3f};
+    for (int part = 0; part < 3; ++part) {
+        if (high[part] - low[part] <= most_range[part]) continue;
+        low[part] = bounded ? float(mean[part] / double(bounded)) - 0.5f * most_range[part] : 0.0f;
+        high[part] = low[part] + most_range[part];
     }
     // Half a step to spare at each end for rounding.
     const auto step = [&](int part) { return high[part] > low[part] ? (high[part] - low[part]) / 254.0f : 0.0f; };

@@ -8,154 +8,196 @@
 namespace weft::light_field::WEFT_ISA {
 namespace {
 
-struct Sorted {
+// Arrays of one location's candidates; in order of depth once sorted. Slopes and velocities are scaled by
+// the box, so that a difference is the way two samples move against each other inside it.
+struct Paths {
     float *x, *y, *slope_x, *slope_y, *velocity_x, *velocity_y;
 };
+Paths paths_in(std::vector<float>& memory) {
+    const size_t room = memory.size() / 6;
+    float* p = memory.data();
+    return {p, p + room, p + 2 * room, p + 3 * room, p + 4 * room, p + 5 * room};
+}
 
-// Depth, slope and velocity of a location's candidates, by lookup in the hierarchy.
-void look_up(const Candidates& c, size_t l, ClusterScratch& scratch) {
+void grow(ClusterScratch& scratch, size_t n) {
+    const size_t room = n + 4 * lanes;
+    if (scratch.depth.size() >= room) return;
+    scratch.depth.resize(2 * room);
+    scratch.rank.resize(2 * room);
+    scratch.at.resize(2 * room);
+    scratch.found.resize(6 * 2 * room);
+    scratch.sorted.resize(6 * 2 * room);
+}
+
+// What the candidates do, by lookup in the hierarchy. `velocities`: whether these matter.
+void look_up(const Candidates& c, size_t l, const SameSurface& test, bool velocities, ClusterScratch& scratch) {
     const Hierarchy& h = *c.hierarchy;
     const size_t first = c.offset[l], n = c.of(l);
-    const size_t room = n + lanes;
-    if (scratch.depth.size() < room) {
-        for (auto* values : {&scratch.depth, &scratch.x, &scratch.y, &scratch.slope_x, &scratch.slope_y,
-                             &scratch.velocity_x, &scratch.velocity_y})
-            values->resize(2 * room);
-        scratch.rank.resize(2 * room);
-        scratch.at.resize(2 * room);
-        scratch.sorted.resize(6 * 2 * room);
-    }
-    const float u = c.u_of(l), v = c.v_of(l), d = c.t_of(l) - 0.5f;
-    const VF time = hn::Set(f, d), c0 = hn::Set(f, h.lens.c0), c1 = hn::Set(f, h.lens.c1), one = hn::Set(f, 1.0f);
-    const VF aspect = hn::Set(f, h.lens.aspect);
-    const VF at_x = hn::Set(f, c.x[l] - h.lens.c1 * u * h.lens.aspect), at_y = hn::Set(f, c.y[l] - h.lens.c1 * v);
+    const Paths found = paths_in(scratch.found);
+    float* depth = scratch.depth.data();
     const std::uint32_t* sample = &c.sample[first];
+    const float u = c.u_of(l), v = c.v_of(l), d = c.t_of(l) - 0.5f;
+    const VF c0 = hn::Set(f, h.lens.c0 * test.box), c1 = hn::Set(f, h.lens.c1 * test.box), one = hn::Set(f, 1.0f);
+    const VF time = hn::Set(f, d), way = hn::Set(f, 0.5f * test.box);
+    const VF at_x = hn::Set(f, c.x[l] - h.lens.c1 * u * h.lens.aspect), at_y = hn::Set(f, c.y[l] - h.lens.c1 * v);
+    for (size_t i = 0; i < n; ++i) depth[i] = h.W[sample[i]];
     if (h.moving) {
-        for (size_t i = 0; i < n; ++i) {
-            const std::uint32_t j = sample[i];
-            scratch.depth[i] = h.W[j];
-            scratch.velocity_x[i] = h.VX[j];
-            scratch.velocity_y[i] = h.VY[j];
-            scratch.slope_y[i] = h.VW[j];
-        }
-        for (size_t i = 0; i < n; i += lanes) {
-            const VF VW = hn::LoadU(f, &scratch.slope_y[i]);
-            const VF depth = hn::MulAdd(time, VW, hn::LoadU(f, &scratch.depth[i])), inverse = hn::Div(one, depth);
-            const VF slope = hn::MulAdd(c0, inverse, c1);
-            const VF x = hn::Add(at_x, hn::LoadU(f, &c.dx[first + i])), y = hn::Add(at_y, hn::LoadU(f, &c.dy[first + i]));
-            const VF vx = hn::Mul(inverse, hn::NegMulAdd(VW, x, hn::LoadU(f, &scratch.velocity_x[i])));
-            const VF vy = hn::Mul(inverse, hn::NegMulAdd(VW, y, hn::LoadU(f, &scratch.velocity_y[i])));
-            hn::StoreU(depth, f, &scratch.depth[i]);
-            hn::StoreU(hn::Mul(slope, aspect), f, &scratch.slope_x[i]);
-            hn::StoreU(slope, f, &scratch.slope_y[i]);
-            hn::StoreU(vx, f, &scratch.velocity_x[i]);
-            hn::StoreU(vy, f, &scratch.velocity_y[i]);
-        }
-    } else {
-        for (size_t i = 0; i < n; ++i) scratch.depth[i] = h.W[sample[i]];
-        for (size_t i = 0; i < n; i += lanes) {
-            const VF slope = hn::MulAdd(c0, hn::Div(one, hn::LoadU(f, &scratch.depth[i])), c1);
-            hn::StoreU(hn::Mul(slope, aspect), f, &scratch.slope_x[i]);
-            hn::StoreU(slope, f, &scratch.slope_y[i]);
-            hn::StoreU(hn::Zero(f), f, &scratch.velocity_x[i]);
-            hn::StoreU(hn::Zero(f), f, &scratch.velocity_y[i]);
-        }
-    }
-}
-
-// Place of each in order of depth; equal ones keep their order.
-void rank_by_depth(const float* depth, size_t n, std::uint32_t* rank) {
-    for (size_t i = 0; i < n; i += lanes) {
-        const VF mine = hn::LoadU(f, depth + i);
-        VI places = hn::Zero(sn);  // counted downwards: a true mask is -1
-        const size_t end = std::min(i + lanes, n);
-        for (size_t j = 0; j < i; ++j)
-            places = hn::Add(places, hn::VecFromMask(sn, hn::RebindMask(sn, hn::Le(hn::Set(f, depth[j]), mine))));
-        const VI me = hn::Iota(sn, std::int32_t(i));
-        for (size_t j = i; j < end; ++j) {
-            const VF other = hn::Set(f, depth[j]);
-            const auto before = hn::Gt(me, hn::Set(sn, std::int32_t(j)));
-            const auto less = hn::RebindMask(sn, hn::Lt(other, mine));
-            const auto equal = hn::And(hn::RebindMask(sn, hn::Eq(other, mine)), before);
-            places = hn::Add(places, hn::VecFromMask(sn, hn::Or(less, equal)));
-        }
-        for (size_t j = end; j < n; ++j)
-            places = hn::Add(places, hn::VecFromMask(sn, hn::RebindMask(sn, hn::Lt(hn::Set(f, depth[j]), mine))));
-        hn::StoreU(hn::BitCast(hn::RebindToUnsigned<F>(), hn::Neg(places)), hn::RebindToUnsigned<F>(), rank + i);
-    }
-}
-
-// Front to back: a sample that conflicts with one of the open surface begins the next.
-std::uint16_t split(const Sorted& a, size_t n, const SameSurface& test, std::uint32_t* at, std::uint16_t* surface) {
-    const VF tolerance = hn::Set(f, test.tolerance);
-    // Slopes and velocities come scaled by the box, so that |difference| is the way two samples move
-    // against each other inside it.
-    std::uint16_t now = 0;
-    size_t open = 0;
-    surface[at[0]] = 0;
-    float low_x = a.velocity_x[0], high_x = low_x, low_y = a.velocity_y[0], high_y = low_y;
-    for (size_t i = 1; i < n; ++i) {
-        const float vx = a.velocity_x[i], vy = a.velocity_y[i];
-        low_x = std::min(low_x, vx);
-        high_x = std::max(high_x, vx);
-        low_y = std::min(low_y, vy);
-        high_y = std::max(high_y, vy);
-        // Slopes ascend with depth or descend with it, so the first differs most.
-        const float slopes = std::max(std::abs(a.slope_x[i] - a.slope_x[open]), std::abs(a.slope_y[i] - a.slope_y[open]));
-        bool conflict = false;
-        if (slopes > test.tolerance || high_x - low_x > test.tolerance || high_y - low_y > test.tolerance) {
-            const VF x = hn::Set(f, a.x[i]), y = hn::Set(f, a.y[i]), sx = hn::Set(f, a.slope_x[i]);
-            const VF sy = hn::Set(f, a.slope_y[i]), wx = hn::Set(f, vx), wy = hn::Set(f, vy);
-            for (size_t j = open; j < i && !conflict; j += lanes) {
-                const VF dx = hn::Add(hn::AbsDiff(hn::LoadU(f, a.x + j), x), tolerance);
-                const VF dy = hn::Add(hn::AbsDiff(hn::LoadU(f, a.y + j), y), tolerance);
-                const VF cx = hn::Max(hn::AbsDiff(hn::LoadU(f, a.slope_x + j), sx),
-                                      hn::AbsDiff(hn::LoadU(f, a.velocity_x + j), wx));
-                const VF cy = hn::Max(hn::AbsDiff(hn::LoadU(f, a.slope_y + j), sy),
-                                      hn::AbsDiff(hn::LoadU(f, a.velocity_y + j), wy));
-                const auto crosses = hn::And(hn::Or(hn::Lt(dx, cx), hn::Lt(dy, cy)), hn::FirstN(f, i - j));
-                conflict = !hn::AllFalse(f, crosses);
+        float* VW = found.slope_y;
+        for (size_t i = 0; i < n; ++i) VW[i] = h.VW[sample[i]];
+        for (size_t i = 0; i < n; i += lanes)
+            hn::StoreU(hn::MulAdd(time, hn::LoadU(f, VW + i), hn::LoadU(f, depth + i)), f, depth + i);
+        if (velocities) {
+            for (size_t i = 0; i < n; ++i) {
+                found.velocity_x[i] = h.VX[sample[i]];
+                found.velocity_y[i] = h.VY[sample[i]];
+            }
+            for (size_t i = 0; i < n; i += lanes) {
+                const VF inverse = hn::Div(way, hn::LoadU(f, depth + i)), w = hn::LoadU(f, VW + i);
+                const VF x = hn::Add(at_x, hn::LoadU(f, &c.dx[first + i])), y = hn::Add(at_y, hn::LoadU(f, &c.dy[first + i]));
+                hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(w, x, hn::LoadU(f, found.velocity_x + i))), f, found.velocity_x + i);
+                hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(w, y, hn::LoadU(f, found.velocity_y + i))), f, found.velocity_y + i);
             }
         }
-        if (conflict) {
-            ++now;
-            open = i;
-            low_x = high_x = vx;
-            low_y = high_y = vy;
-        }
-        surface[at[i]] = now;
     }
-    return std::uint16_t(now + 1);
+    for (size_t i = 0; i < n; i += lanes)
+        hn::StoreU(hn::MulAdd(c0, hn::Div(one, hn::LoadU(f, depth + i)), c1), f, found.slope_y + i);
 }
 
-std::uint16_t cluster_one(const Candidates& c, size_t l, const SameSurface& test, ClusterScratch& scratch,
+// Place of each in order of depth; equal ones keep their order. Four vectors at a time, each against all.
+void rank_by_depth(const float* depth, size_t n, std::uint32_t* rank) {
+    for (size_t i = 0; i < n; i += 4 * lanes) {
+        VF mine[4];
+        VI place[4];  // counted downwards: a true mask is -1
+        for (size_t k = 0; k < 4; ++k) {
+            mine[k] = hn::LoadU(f, depth + i + k * lanes);
+            place[k] = hn::Zero(sn);
+        }
+        const auto count = [&](auto mask, size_t k) HWY_ATTR { place[k] = hn::Add(place[k], hn::VecFromMask(sn, hn::RebindMask(sn, mask))); };
+        // Those that come before all of these in order win ties, those after lose them.
+        size_t j = 0;
+        for (; j < i; ++j) {
+            const VF other = hn::Set(f, depth[j]);
+            for (size_t k = 0; k < 4; ++k) count(hn::Le(other, mine[k]), k);
+        }
+        const auto among = [&]<size_t own>() HWY_ATTR {
+            const VI me = hn::Iota(sn, std::int32_t(j));
+            for (const size_t end = std::min(j + lanes, n); j < end; ++j) {
+                const VF other = hn::Set(f, depth[j]);
+                for (size_t k = 0; k < own; ++k) count(hn::Lt(other, mine[k]), k);
+                const auto tie = hn::And(hn::Eq(other, mine[own]), hn::RebindMask(f, hn::Gt(me, hn::Set(sn, std::int32_t(j)))));
+                count(hn::Or(hn::Lt(other, mine[own]), tie), own);
+                for (size_t k = own + 1; k < 4; ++k) count(hn::Le(other, mine[k]), k);
+            }
+        };
+        among.template operator()<0>();
+        among.template operator()<1>();
+        among.template operator()<2>();
+        among.template operator()<3>();
+        for (; j < n; ++j) {
+            const VF other = hn::Set(f, depth[j]);
+            for (size_t k = 0; k < 4; ++k) count(hn::Lt(other, mine[k]), k);
+        }
+        for (size_t k = 0; k < 4; ++k) hn::StoreU(hn::BitCast(un, hn::Neg(place[k])), un, rank + i + k * lanes);
+    }
+}
+
+// Which of [i, i + lanes) may conflict with some sample of the surface begun by `open`: slopes ascend with
+// depth or descend with it, so that of the first differs most; of velocities, none differ by more than twice
+// what they differ from the first by.
+template <bool velocities>
+unsigned suspects(const Paths& a, size_t i, size_t open, size_t n, float tolerance) {
+    const VF limit = hn::Set(f, tolerance), half = hn::Set(f, 0.5f * tolerance);
+    auto found = hn::Or(hn::Gt(hn::AbsDiff(hn::LoadU(f, a.slope_x + i), hn::Set(f, a.slope_x[open])), limit),
+                        hn::Gt(hn::AbsDiff(hn::LoadU(f, a.slope_y + i), hn::Set(f, a.slope_y[open])), limit));
+    if constexpr (velocities) {
+        found = hn::Or(found, hn::Gt(hn::AbsDiff(hn::LoadU(f, a.velocity_x + i), hn::Set(f, a.velocity_x[open])), half));
+        found = hn::Or(found, hn::Gt(hn::AbsDiff(hn::LoadU(f, a.velocity_y + i), hn::Set(f, a.velocity_y[open])), half));
+    }
+    return bits_of(f, hn::And(found, hn::FirstN(f, n - i)));
+}
+
+// Whether sample i conflicts with one of [open, i).
+template <bool velocities>
+bool conflicts(const Paths& a, size_t i, size_t open, float tolerance) {
+    const VF limit = hn::Set(f, tolerance), x = hn::Set(f, a.x[i]), y = hn::Set(f, a.y[i]);
+    const VF sx = hn::Set(f, a.slope_x[i]), sy = hn::Set(f, a.slope_y[i]);
+    for (size_t j = open; j < i; j += lanes) {
+        VF way_x = hn::AbsDiff(hn::LoadU(f, a.slope_x + j), sx), way_y = hn::AbsDiff(hn::LoadU(f, a.slope_y + j), sy);
+        if constexpr (velocities) {
+            way_x = hn::Max(way_x, hn::AbsDiff(hn::LoadU(f, a.velocity_x + j), hn::Set(f, a.velocity_x[i])));
+            way_y = hn::Max(way_y, hn::AbsDiff(hn::LoadU(f, a.velocity_y + j), hn::Set(f, a.velocity_y[i])));
+        }
+        const auto in_x = hn::Lt(hn::Add(hn::AbsDiff(hn::LoadU(f, a.x + j), x), limit), way_x);
+        const auto in_y = hn::Lt(hn::Add(hn::AbsDiff(hn::LoadU(f, a.y + j), y), limit), way_y);
+        if (!hn::AllFalse(f, hn::And(hn::Or(in_x, in_y), hn::FirstN(f, i - j)))) return true;
+    }
+    return false;
+}
+
+// Front to back: a sample that conflicts with one of the open surface begins the next. Writes where each
+// surface begins; returns how many there are.
+template <bool velocities>
+size_t split(const Paths& a, size_t n, float tolerance, std::uint32_t* begins) {
+    size_t surfaces = 1, open = 0;
+    bool mixed = false;  // a sample unlike the first is among the surface's: all that follow are suspect
+    begins[0] = 0;
+    for (size_t i = 0; i < n; i += lanes) {
+        const unsigned all = n - i < lanes ? (1u << (n - i)) - 1 : (1u << lanes) - 1;
+        unsigned left = mixed ? all : suspects<velocities>(a, i, open, n, tolerance);
+        while (left) {
+            const size_t at = i + size_t(__builtin_ctz(left));
+            const unsigned later = ~((2u << (at - i)) - 1);
+            left &= later;
+            if (!conflicts<velocities>(a, at, open, tolerance)) {
+                if (velocities && !mixed) left = all & later;
+                mixed = velocities;
+                continue;
+            }
+            open = at;
+            mixed = false;
+            begins[surfaces++] = std::uint32_t(at);
+            left = suspects<velocities>(a, i, open, n, tolerance) & later;
+        }
+    }
+    return surfaces;
+}
+
+std::uint16_t cluster_one(const Candidates& c, size_t l, const SameSurface& test, bool velocities, ClusterScratch& scratch,
                           std::uint16_t* surface) {
     const size_t first = c.offset[l], n = c.of(l);
-    look_up(c, l, scratch);
+    grow(scratch, n);
+    look_up(c, l, test, velocities, scratch);
     const float* depth = scratch.depth.data();
+    std::uint32_t* at = scratch.at.data();
     if (n <= 128) {
         rank_by_depth(depth, n, scratch.rank.data());
-        for (size_t i = 0; i < n; ++i) scratch.at[scratch.rank[i]] = std::uint32_t(i);
+        for (size_t i = 0; i < n; ++i) at[scratch.rank[i]] = std::uint32_t(i);
     } else {
-        for (size_t i = 0; i < n; ++i) scratch.at[i] = std::uint32_t(i);
-        std::sort(scratch.at.begin(), scratch.at.begin() + std::ptrdiff_t(n), [&](std::uint32_t a, std::uint32_t b) {
-            return depth[a] != depth[b] ? depth[a] < depth[b] : a < b;
-        });
+        for (size_t i = 0; i < n; ++i) at[i] = std::uint32_t(i);
+        std::sort(at, at + n, [&](std::uint32_t p, std::uint32_t q) { return depth[p] != depth[q] ? depth[p] < depth[q] : p < q; });
     }
-    const size_t room = scratch.sorted.size() / 6;
-    float* p = scratch.sorted.data();
-    const Sorted a{p, p + room, p + 2 * room, p + 3 * room, p + 4 * room, p + 5 * room};
-    const float slope_way = test.box, velocity_way = 0.5f * test.box;
+    const Paths found = paths_in(scratch.found);
+    Paths a = paths_in(scratch.sorted);
+    const float *dx = &c.dx[first], *dy = &c.dy[first];
     for (size_t i = 0; i < n; ++i) {
-        const std::uint32_t k = scratch.at[i];
-        a.x[i] = c.dx[first + k];
-        a.y[i] = c.dy[first + k];
-        a.slope_x[i] = scratch.slope_x[k] * slope_way;
-        a.slope_y[i] = scratch.slope_y[k] * slope_way;
-        a.velocity_x[i] = scratch.velocity_x[k] * velocity_way;
-        a.velocity_y[i] = scratch.velocity_y[k] * velocity_way;
+        const std::uint32_t k = at[i];
+        a.x[i] = dx[k];
+        a.y[i] = dy[k];
+        a.slope_y[i] = found.slope_y[k];
     }
-    return split(a, n, test, scratch.at.data(), surface);
+    if (const float aspect = c.hierarchy->lens.aspect; aspect == 1) a.slope_x = a.slope_y;
+    else
+        for (size_t i = 0; i < n; ++i) a.slope_x[i] = aspect * a.slope_y[i];
+    if (velocities)
+        for (size_t i = 0; i < n; ++i) {
+            a.velocity_x[i] = found.velocity_x[at[i]];
+            a.velocity_y[i] = found.velocity_y[at[i]];
+        }
+    std::uint32_t* begins = scratch.rank.data();
+    const size_t surfaces = velocities ? split<true>(a, n, test.tolerance, begins) : split<false>(a, n, test.tolerance, begins);
+    for (size_t k = 1; k < surfaces; ++k)
+        for (size_t i = begins[k], end = k + 1 < surfaces ? begins[k + 1] : n; i < end; ++i) surface[at[i]] = std::uint16_t(k);
+    return std::uint16_t(surfaces);
 }
 
 }  // namespace
@@ -163,7 +205,8 @@ std::uint16_t cluster_one(const Candidates& c, size_t l, const SameSurface& test
 void cluster(const Candidates& c, const SameSurface& test, ClusterScratch& scratch, Surfaces& out) {
     const size_t n = c.size(), candidates = n ? c.offset[n] : 0;
     out.count_of.resize(n);
-    if (out.surface.size() < candidates) out.surface.resize(candidates + candidates / 4);
+    constexpr size_t spare = 16;  // kernels read whole vectors
+    if (out.surface.size() < candidates + spare) out.surface.resize(candidates + candidates / 4 + spare);
     std::fill(out.surface.begin(), out.surface.begin() + std::ptrdiff_t(candidates), std::uint16_t(0));
     // No two candidates can conflict where these hold (Candidates::spread).
     const auto bound = [&](float way, float step) {
@@ -173,10 +216,11 @@ void cluster(const Candidates& c, const SameSurface& test, ClusterScratch& scrat
     const std::int32_t slope = bound(test.box * stretch, c.slope_step), velocity = bound(0.5f * test.box, c.velocity_step);
     for (size_t l = 0; l < n; ++l) {
         const std::uint32_t spread = c.spread[l];
-        const bool one = spread != 0xffffffffu && std::int32_t(spread & 255) <= slope &&
-                         std::int32_t(spread >> 8 & 255) <= velocity && std::int32_t(spread >> 16 & 255) <= velocity;
-        if (one || c.of(l) < 2) out.count_of[l] = c.of(l) > 0;
-        else out.count_of[l] = cluster_one(c, l, test, scratch, &out.surface[c.offset[l]]);
+        const bool known = spread != 0xffffffffu;
+        const bool still = !c.hierarchy->moving ||
+                           (known && std::int32_t(spread >> 8 & 255) <= velocity && std::int32_t(spread >> 16 & 255) <= velocity);
+        if ((known && still && std::int32_t(spread & 255) <= slope) || c.of(l) < 2) out.count_of[l] = c.of(l) > 0;
+        else out.count_of[l] = cluster_one(c, l, test, !still, scratch, &out.surface[c.offset[l]]);
     }
 }
 

@@ -34,10 +34,6 @@ struct Hull {
 // the origin. Points within `radius` come first: `near` of them, `n` in all.
 bool triangle(const float* x, const float* y, size_t near, size_t n, float radius, CoverageScratch& scratch) {
     const float longest = 4 * radius * radius;
-    const auto close = [&](size_t i, float px, float py) {
-        const float ex = x[i] - px, ey = y[i] - py;
-        return ex * ex + ey * ey <= longest;
-    };
     const size_t room = n + lanes;
     for (auto* values : {&scratch.left_x, &scratch.left_y, &scratch.right_x, &scratch.right_y})
         if (values->size() < room) values->resize(2 * room);
@@ -45,17 +41,19 @@ bool triangle(const float* x, const float* y, size_t near, size_t n, float radiu
     for (size_t i = 0; i < near; ++i) {
         // The others by the side of the line through i and the origin on which they lie.
         size_t lefts = 0, rights = 0;
-        for (size_t j = 0; j < n; ++j) {
-            if (j == i || !close(j, x[i], y[i])) continue;
-            const float side = x[i] * y[j] - y[i] * x[j];
-            if (side >= 0) {
-                scratch.left_x[lefts] = x[j];
-                scratch.left_y[lefts++] = y[j];
-            }
-            if (side <= 0) {
-                scratch.right_x[rights] = x[j];
-                scratch.right_y[rights++] = y[j];
-            }
+        const VF px = hn::Set(f, x[i]), py = hn::Set(f, y[i]);
+        for (size_t j = 0; j < n; j += lanes) {
+            const VF qx = hn::LoadU(f, x + j), qy = hn::LoadU(f, y + j);
+            const VF ex = hn::Sub(qx, px), ey = hn::Sub(qy, py), side = hn::NegMulAdd(py, qx, hn::Mul(px, qy));
+            auto close = hn::And(hn::Le(hn::MulAdd(ex, ex, hn::Mul(ey, ey)), limit), hn::FirstN(f, n - j));
+            if (j <= i && i < j + lanes) close = hn::AndNot(hn::RebindMask(f, hn::Eq(hn::Iota(sn, std::int32_t(j)), hn::Set(sn, std::int32_t(i)))), close);
+            const Pack left(hn::And(close, hn::Ge(side, zero))), right(hn::And(close, hn::Le(side, zero)));
+            left.store(qx, &scratch.left_x[lefts]);
+            left.store(qy, &scratch.left_y[lefts]);
+            right.store(qx, &scratch.right_x[rights]);
+            right.store(qy, &scratch.right_y[rights]);
+            lefts += left.count;
+            rights += right.count;
         }
         for (size_t j = 0; j < lefts; ++j) {
             const VF lx = hn::Set(f, scratch.left_x[j]), ly = hn::Set(f, scratch.left_y[j]);
@@ -77,24 +75,27 @@ bool surrounds(const Candidates& c, const Surfaces& s, size_t l, std::uint16_t f
                float radius, CoverageScratch& scratch) {
     constexpr size_t enough = 200;  // points in such a crowd surround what their hull does
     const size_t begin = c.offset[l], end = c.offset[l + 1];
-    if (scratch.x.size() < end - begin + lanes) {
-        scratch.x.resize(2 * (end - begin + lanes));
-        scratch.y.resize(2 * (end - begin + lanes));
+    if (scratch.x.size() < end - begin + 2 * lanes) {
+        scratch.x.resize(2 * (end - begin + 2 * lanes));
+        scratch.y.resize(2 * (end - begin + 2 * lanes));
     }
-    size_t n = 0;
-    for (size_t i = begin; i < end; ++i)
-        if (s.surface[i] >= first && s.surface[i] <= last) {
-            scratch.x[n] = c.dx[i];
-            scratch.y[n++] = c.dy[i];
-        }
-    if (n < 3) return false;
+    // Those within the radius first.
+    size_t near = 0, n = 0;
+    const VF limit = hn::Set(f, radius * radius);
     float *x = scratch.x.data(), *y = scratch.y.data();
-    size_t near = 0;
-    for (size_t i = 0; i < n; ++i)
-        if (x[i] * x[i] + y[i] * y[i] <= radius * radius) {
-            std::swap(x[i], x[near]);
-            std::swap(y[i], y[near++]);
+    for (const bool inside : {true, false}) {
+        for (size_t i = begin; i < end; i += lanes) {
+            const VF dx = hn::LoadU(f, &c.dx[i]), dy = hn::LoadU(f, &c.dy[i]);
+            const auto of_it = hn::And(surface_among(&s.surface[i], first, last), hn::FirstN(f, end - i));
+            const auto within = hn::Le(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit);
+            const Pack pack(hn::And(of_it, inside ? within : hn::Not(within)));
+            pack.store(dx, x + n);
+            pack.store(dy, y + n);
+            n += pack.count;
         }
+        if (inside) near = n;
+    }
+    if (n < 3) return false;
     if (near == 0) return false;
     Hull hull;
     for (size_t i = 0; i < n; i += lanes) hull.add(hn::LoadU(f, x + i), hn::LoadU(f, y + i), hn::FirstN(f, n - i));
@@ -123,9 +124,8 @@ void cover(const Candidates& c, const Surfaces& s, Visibility& out) {
             Hull hull;
             const size_t begin = c.offset[l], end = c.offset[l + 1];
             for (size_t i = begin; i < end; i += lanes) {
-                alignas(64) float front[16];
-                for (size_t j = 0; j < lanes; ++j) front[j] = i + j < end && s.surface[i + j] == 0 ? 1.0f : 0.0f;
-                hull.add(hn::LoadU(f, &c.dx[i]), hn::LoadU(f, &c.dy[i]), hn::Gt(hn::Load(f, front), hn::Zero(f)));
+                const auto front = hn::And(surface_among(&s.surface[i], 0, 0), hn::FirstN(f, end - i));
+                hull.add(hn::LoadU(f, &c.dx[i]), hn::LoadU(f, &c.dy[i]), front);
             }
             if (hull.inside()) decision = Decision::covered;
         }

@@ -25,7 +25,7 @@ struct DepthGapCluster {
         const Candidates& c = in.get<Candidates>("candidates");
         Surfaces& s = out.get<Surfaces>("surfaces");
         s.count_of.resize(c.size());
-        s.surface.resize(c.offset[c.size()]);
+        s.surface.resize(c.offset[c.size()] + 16);  // kernels read whole vectors
         for (size_t l = 0; l < c.size(); ++l) {
             const size_t n = c.of(l);
             scratch.depth.resize(n);

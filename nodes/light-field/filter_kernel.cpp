@@ -10,61 +10,81 @@ namespace {
 using Q = hn::FixedTag<float, 4>;
 constexpr Q q;
 
-// Weights of n points; their sum. `whole`: the exponent, where it is a small whole number.
-float weigh(const float* dx, const float* dy, size_t n, const Tent& tent, int whole, float* weight) {
-    const VF per_radius = hn::Set(f, -1.0f / tent.radius), one = hn::Set(f, 1.0f), zero = hn::Zero(f);
-    VF sum = zero;
+// Weights of n points. `power`: the exponent, where it is a small whole number; 0: any.
+template <int power>
+void weigh(const float* dx, const float* dy, size_t n, const Tent& tent, float* weight) {
+    const VF per_radius = hn::Set(f, 1.0f / tent.radius), one = hn::Set(f, 1.0f), zero = hn::Zero(f);
     for (size_t i = 0; i < n; i += lanes) {
         const VF x = hn::LoadU(f, dx + i), y = hn::LoadU(f, dy + i);
         const VF distance = hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y)));
-        const VF inside = hn::Max(zero, hn::MulAdd(distance, per_radius, one));
-        VF w = inside;
-        for (int power = 1; power < whole; ++power) w = hn::Mul(w, inside);
-        w = hn::IfThenElseZero(hn::FirstN(f, n - i), w);
-        hn::StoreU(w, f, weight + i);
-        sum = hn::Add(sum, w);
+        const VF inside = hn::Max(zero, hn::NegMulAdd(distance, per_radius, one));
+        if constexpr (power == 2) hn::StoreU(hn::Mul(inside, inside), f, weight + i);
+        else if constexpr (power == 4) hn::StoreU(hn::Mul(hn::Mul(inside, inside), hn::Mul(inside, inside)), f, weight + i);
+        else hn::StoreU(inside, f, weight + i);
     }
-    if (whole > 0) return hn::GetLane(hn::SumOfLanes(f, sum));
-    float total = 0;
-    for (size_t i = 0; i < n; ++i) {
-        weight[i] = weight[i] > 0 ? std::pow(weight[i], tent.exponent) : 0.0f;
-        total += weight[i];
-    }
-    return total;
+    if constexpr (power == 0)
+        for (size_t i = 0; i < n; ++i) weight[i] = weight[i] > 0 ? std::pow(weight[i], tent.exponent) : 0.0f;
 }
 
-void write_mean(const float* rgba, const std::uint32_t* sample, const float* weight, size_t n, float sum, float* out) {
-    auto even = hn::Zero(q), odd = hn::Zero(q);
+// Weighted mean of n samples' colours, in the order in which they come; false where all weights vanish.
+bool write_mean(const float* rgba, const std::uint32_t* sample, const float* weight, size_t n, float* out) {
+    auto even = hn::Zero(q), odd = hn::Zero(q), sums = hn::Zero(q);
     size_t i = 0;
     for (; i + 1 < n; i += 2) {
-        even = hn::MulAdd(hn::Set(q, weight[i]), hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
-        odd = hn::MulAdd(hn::Set(q, weight[i + 1]), hn::LoadU(q, rgba + 4 * size_t(sample[i + 1])), odd);
+        const auto a = hn::Set(q, weight[i]), b = hn::Set(q, weight[i + 1]);
+        even = hn::MulAdd(a, hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
+        odd = hn::MulAdd(b, hn::LoadU(q, rgba + 4 * size_t(sample[i + 1])), odd);
+        sums = hn::Add(sums, hn::Add(a, b));
     }
-    if (i < n) even = hn::MulAdd(hn::Set(q, weight[i]), hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
-    hn::StoreU(hn::Mul(hn::Add(even, odd), hn::Set(q, 1.0f / sum)), q, out);
+    if (i < n) {
+        const auto a = hn::Set(q, weight[i]);
+        even = hn::MulAdd(a, hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
+        sums = hn::Add(sums, a);
+    }
+    hn::StoreU(hn::Div(hn::Add(even, odd), sums), q, out);
+    return hn::GetLane(sums) > 0;
 }
 
-}  // namespace
+void write_nearest(const float* rgba, const std::uint32_t* sample, const float* dx, const float* dy, size_t n, float* out) {
+    size_t nearest = 0;
+    float least = 1e38f;
+    for (size_t i = 0; i < n; ++i) {
+        const float distance = dx[i] * dx[i] + dy[i] * dy[i];
+        if (distance < least) {
+            least = distance;
+            nearest = i;
+        }
+    }
+    std::copy_n(rgba + 4 * size_t(sample[nearest]), 4, out);
+}
 
-void filter(const Candidates& c, const Surfaces& s, const Visibility& visibility, const Tent& tent,
-            FilterScratch& scratch, Colors& out) {
-    const size_t n = c.size();
-    const int whole = tent.exponent == std::floor(tent.exponent) && tent.exponent >= 1 && tent.exponent <= 16
-                          ? int(tent.exponent) : 0;
-    out.rgba.resize(4 * n);
-    out.valid.resize(n);
+// The candidates of surfaces [first, last], side by side in the scratch; their number.
+size_t pick(const Candidates& c, const Surfaces& s, size_t l, std::uint16_t first, std::uint16_t last, FilterScratch& scratch) {
+    size_t seen = 0;
+    for (size_t i = c.offset[l], end = c.offset[l + 1]; i < end; i += lanes) {
+        const Pack pack(hn::And(surface_among(&s.surface[i], first, last), hn::FirstN(f, end - i)));
+        pack.store(hn::LoadU(f, &c.dx[i]), &scratch.dx[seen]);
+        pack.store(hn::LoadU(f, &c.dy[i]), &scratch.dy[seen]);
+        pack.store(hn::LoadU(un, &c.sample[i]), &scratch.sample[seen]);
+        seen += pack.count;
+    }
+    return seen;
+}
+
+template <int power>
+void filter_all(const Candidates& c, const Surfaces& s, const Visibility& visibility, const Tent& tent,
+                FilterScratch& scratch, Colors& out) {
     const float* rgba = c.hierarchy->rgba.data();
-    out.color_space = &c.hierarchy->color_space;
-    for (size_t l = 0; l < n; ++l) {
+    for (size_t l = 0, n = c.size(); l < n; ++l) {
         const size_t first = c.offset[l], all = c.of(l);
         float* to = &out.rgba[4 * l];
-        out.valid[l] = visibility.decision[l] != Decision::undecided && all > 0;
-        if (!out.valid[l]) {
+        out.valid[l] = 0;
+        if (visibility.decision[l] == Decision::undecided || all == 0) {
             std::fill(to, to + 4, 0.0f);
             continue;
         }
-        if (scratch.weight.size() < all + lanes) {
-            const size_t size = 2 * (all + lanes);
+        if (scratch.weight.size() < all + 2 * lanes) {
+            const size_t size = 2 * (all + 2 * lanes);
             scratch.dx.resize(size);
             scratch.dy.resize(size);
             scratch.weight.resize(size);
@@ -72,37 +92,35 @@ void filter(const Candidates& c, const Surfaces& s, const Visibility& visibility
         }
         const float *dx = &c.dx[first], *dy = &c.dy[first];
         const std::uint32_t* sample = &c.sample[first];
-        float* weight = scratch.weight.data();
         size_t seen = all;
         if (s.count_of[l] > 1) {
-            seen = 0;
-            for (size_t i = 0; i < all; ++i) {
-                const std::uint16_t surface = s.surface[first + i];
-                scratch.dx[seen] = dx[i];
-                scratch.dy[seen] = dy[i];
-                scratch.sample[seen] = sample[i];
-                seen += surface >= visibility.first[l] && surface <= visibility.last[l];
+            seen = pick(c, s, l, visibility.first[l], visibility.last[l], scratch);
+            if (seen == 0) {
+                std::fill(to, to + 4, 0.0f);
+                continue;
             }
             dx = scratch.dx.data();
             dy = scratch.dy.data();
             sample = scratch.sample.data();
         }
-        const float sum = weigh(dx, dy, seen, tent, whole, weight);
-        if (sum > 0) {
-            write_mean(rgba, sample, weight, seen, sum, to);
-            continue;
-        }
-        size_t nearest = 0;
-        float least = 1e38f;
-        for (size_t i = 0; i < seen; ++i) {
-            const float distance = dx[i] * dx[i] + dy[i] * dy[i];
-            if (distance < least) {
-                least = distance;
-                nearest = i;
-            }
-        }
-        std::copy_n(rgba + 4 * size_t(sample[nearest]), 4, to);
+        weigh<power>(dx, dy, seen, tent, scratch.weight.data());
+        if (!write_mean(rgba, sample, scratch.weight.data(), seen, to)) write_nearest(rgba, sample, dx, dy, seen, to);
+        out.valid[l] = 1;
     }
+}
+
+}  // namespace
+
+void filter(const Candidates& c, const Surfaces& s, const Visibility& visibility, const Tent& tent,
+            FilterScratch& scratch, Colors& out) {
+    const size_t n = c.size();
+    out.rgba.resize(4 * n);
+    out.valid.resize(n);
+    out.color_space = &c.hierarchy->color_space;
+    if (tent.exponent == 1) filter_all<1>(c, s, visibility, tent, scratch, out);
+    else if (tent.exponent == 2) filter_all<2>(c, s, visibility, tent, scratch, out);
+    else if (tent.exponent == 4) filter_all<4>(c, s, visibility, tent, scratch, out);
+    else filter_all<0>(c, s, visibility, tent, scratch, out);
 }
 
 }  // namespace weft::light_field::WEFT_ISA

@@ -7,21 +7,6 @@
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-using B = hn::Repartition<std::uint8_t, F>;
-constexpr B by;
-
-std::uint32_t bytes_lowest(VU a) {
-    alignas(64) std::uint32_t values[16];
-    hn::Store(a, un, values);
-    const hn::FixedTag<std::uint32_t, 4> q;
-    const hn::FixedTag<std::uint8_t, 16> qb;
-    auto low = hn::BitCast(qb, hn::Load(q, values));
-    for (size_t i = 4; i < lanes; i += 4) low = hn::Min(low, hn::BitCast(qb, hn::Load(q, values + i)));
-    low = hn::Min(low, hn::BitCast(qb, hn::Shuffle1032(hn::BitCast(q, low))));
-    low = hn::Min(low, hn::BitCast(qb, hn::Shuffle2301(hn::BitCast(q, low))));
-    return hn::GetLane(hn::BitCast(q, low));
-}
-
 struct Ends {
     float* dx;
     float* dy;
@@ -54,56 +39,73 @@ void start(Candidates& out, const Locations& at, float radius) {
     out.shared = at.shared;
 }
 
+// Cells that a disk reaches into: rows [top, bottom], columns [left, right].
+struct Reach {
+    static constexpr size_t at_once = 64;
+    alignas(64) std::int32_t left[at_once], right[at_once], top[at_once], bottom[at_once];
+
+    void find(const Projection& p, const float* x, const float* y, size_t n, float radius) {
+        const VF far = hn::Set(f, radius * 1.00001f + 1e-5f);  // cells are chosen by rounded numbers
+        const VF per_width = hn::Set(f, 1 / p.cell_width), per_height = hn::Set(f, 1 / p.cell_height);
+        const auto cell = [](VF at, VF per_cell, int first, int count) {
+            const VI i = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(at, per_cell))), hn::Set(sn, first));
+            return hn::Min(hn::Max(i, hn::Zero(sn)), hn::Set(sn, count - 1));
+        };
+        for (size_t i = 0; i < n; i += lanes) {
+            const auto load = [&](const float* from) { return i + lanes <= n ? hn::LoadU(f, from + i) : hn::MaskedLoad(hn::FirstN(f, n - i), f, from + i); };
+            const VF px = load(x), py = load(y);
+            hn::Store(cell(hn::Sub(px, far), per_width, p.column0, p.columns), sn, left + i);
+            hn::Store(cell(hn::Add(px, far), per_width, p.column0, p.columns), sn, right + i);
+            hn::Store(cell(hn::Sub(py, far), per_height, p.row0, p.rows), sn, top + i);
+            hn::Store(cell(hn::Add(py, far), per_height, p.row0, p.rows), sn, bottom + i);
+        }
+    }
+};
+
 // `each`: the spread is taken location by location; else that of the whole projection stands for all.
 template <bool each>
 void gather_all(const Projection& p, const Locations& at, float radius, Candidates& out) {
+    // A row's run of cells holds some 12 samples within the usual radius, so that many are looked at
+    // without asking; what follows a run is farther away than the radius, or padding.
+    constexpr size_t usual = Projection::padding;
     const size_t n = at.size(), pitch = size_t(p.columns) + 1;
-    const float reach = radius * 1.00001f + 1e-5f;  // cells are chosen by rounded numbers
-    const float per_width = 1 / p.cell_width, per_height = 1 / p.cell_height;
     const VF limit = hn::Set(f, radius * radius);
-    const VU ones = hn::Set(un, 0xffffffffu);
+    const float *px = p.x.data(), *py = p.y.data();
+    const std::uint32_t *samples = p.sample.data(), *traits = p.traits.data();
+    Reach reach;
     size_t k = 0;
-    for (size_t l = 0; l < n; ++l) {
-        const float x = at.x[l], y = at.y[l];
-        const auto column_of = [&](float value) {
-            return size_t(std::clamp(int(std::floor(value * per_width)) - p.column0, 0, p.columns - 1));
-        };
-        const auto row_of = [&](float value) {
-            return size_t(std::clamp(int(std::floor(value * per_height)) - p.row0, 0, p.rows - 1));
-        };
-        const size_t left = column_of(x - reach), right = column_of(x + reach) + 1;
-        const size_t top = row_of(y - reach), bottom = row_of(y + reach) + 1;
-        const std::uint32_t* from = p.start.data() + top * pitch + left;
-        const size_t across = right - left;
-        size_t tested = 0;
-        for (size_t row = 0; row < bottom - top; ++row) tested += from[row * pitch + across] - from[row * pitch] + lanes;
-        const Ends end = room(out, k, tested + lanes);
-        const VF at_x = hn::Set(f, x), at_y = hn::Set(f, y);
-        VU least = ones, most = ones;  // `most` of the complements
-        for (size_t row = top; row < bottom; ++row, from += pitch) {
-            for (std::uint32_t i = from[0]; i < from[across]; i += std::uint32_t(lanes)) {
-                const VF dx = hn::Sub(hn::LoadU(f, &p.x[i]), at_x), dy = hn::Sub(hn::LoadU(f, &p.y[i]), at_y);
+    for (size_t first = 0; first < n; first += Reach::at_once) {
+        const size_t count = std::min(n - first, Reach::at_once);
+        reach.find(p, &at.x[first], &at.y[first], count, radius);
+        for (size_t j = 0; j < count; ++j) {
+            const size_t l = first + j;
+            const std::uint32_t* row = p.start.data() + size_t(reach.top[j]) * pitch + size_t(reach.left[j]);
+            const size_t across = size_t(reach.right[j] - reach.left[j]) + 1, rows = size_t(reach.bottom[j] - reach.top[j]) + 1;
+            size_t tested = rows * usual + lanes;
+            for (size_t r = 0; r < rows; ++r) tested += row[r * pitch + across] - row[r * pitch];
+            const Ends end = room(out, k, tested);
+            const VF at_x = hn::Set(f, at.x[l]), at_y = hn::Set(f, at.y[l]);
+            Spread spread;
+            const size_t before = k;
+            const auto look = [&](size_t i) HWY_ATTR {
+                const VF dx = hn::Sub(hn::LoadU(f, px + i), at_x), dy = hn::Sub(hn::LoadU(f, py + i), at_y);
                 const auto in = hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit);
                 const Pack pack(in);
                 pack.store(dx, end.dx + k);
                 pack.store(dy, end.dy + k);
-                pack.store(hn::LoadU(un, &p.sample[i]), end.sample + k);
+                pack.store(hn::LoadU(un, samples + i), end.sample + k);
                 k += pack.count;
-                if constexpr (each) {
-                    const VU traits = hn::LoadU(un, &p.traits[i]), out_u = hn::VecFromMask(un, hn::RebindMask(un, hn::Not(in)));
-                    least = hn::BitCast(un, hn::Min(hn::BitCast(by, least), hn::BitCast(by, hn::Or(traits, out_u))));
-                    most = hn::BitCast(un, hn::Min(hn::BitCast(by, most),
-                                                   hn::BitCast(by, hn::Or(hn::Xor(traits, ones), out_u))));
-                }
+                if constexpr (each) spread.add(hn::LoadU(un, traits + i), in);
+            };
+            for (size_t r = 0; r < rows; ++r, row += pitch) {
+                size_t i = row[0];
+                const size_t stop = row[across];
+                for (size_t done = 0; done < usual; done += lanes, i += lanes) look(i);
+                for (; i < stop; i += lanes) look(i);
             }
-        }
-        out.offset[l + 1] = std::uint32_t(k);
-        if constexpr (each) {
-            // Highest minus lowest of each byte: (255 - most) - least. No borrow where there is a candidate.
-            const std::uint32_t low = bytes_lowest(least), high = ~bytes_lowest(most);
-            out.spread[l] = k > out.offset[l] ? high - low : 0;
-        } else {
-            out.spread[l] = p.spread;
+            out.offset[l + 1] = std::uint32_t(k);
+            if constexpr (each) out.spread[l] = k > before ? spread.between() : 0;
+            else out.spread[l] = p.spread;
         }
     }
 }
@@ -120,7 +122,7 @@ void gather(const Projection& p, const Locations& at, float radius, Candidates& 
     const bool small = p.spread != 0xffffffffu && float((p.spread & 255) + 1) * p.slope_step < 0.5f &&
                        float((p.spread >> 8 & 255) + 1) * p.velocity_step < 1.0f &&
                        float((p.spread >> 16 & 255) + 1) * p.velocity_step < 1.0f;
-    if (small || p.spread == 0xffffffffu) gather_all<false>(p, at, radius, out);
+    if (small) gather_all<false>(p, at, radius, out);
     else gather_all<true>(p, at, radius, out);
 }
 

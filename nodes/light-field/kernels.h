@@ -36,7 +36,7 @@ struct Block {
 };
 void collect(const Hierarchy& hierarchy, int x0, int y0, int x1, int y1, float reach, Block& block);
 
-// Same-surface test (light_field_test.h has it for one pair): trajectories of two samples conflict
+// Same-surface test (reference_kernels.h has it for one pair): trajectories of two samples conflict
 // where they cross within `box` of the location's (u, v), half of it in t, by more than `tolerance`.
 struct SameSurface {
     float box = 0.0884f;     // lens units; of time half of it
@@ -44,8 +44,7 @@ struct SameSurface {
 };
 
 struct ClusterScratch {
-    std::vector<float> depth, x, y, slope_x, slope_y, velocity_x, velocity_y;  // as gathered
-    std::vector<float> sorted;                                                 // six arrays of them
+    std::vector<float> depth, found, sorted;
     std::vector<std::uint32_t> rank, at;
 };
 

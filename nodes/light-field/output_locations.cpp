@@ -69,10 +69,11 @@ struct OutputLocations {
     bool next(const Inputs& in, size_t index, Outputs& out, Scratch& scratch) const {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Tile& tile = in.tile();
-        const size_t slice = index / size_t(sets);
-        const int set = int(index % size_t(sets));
-        if (slice >= slices()) return false;
+        // Slice by slice, set by set, location by location of a pixel: what shares (u, v, t) is neighbours.
+        const size_t each = size_t(per_slice), point = index / each, i = point / size_t(sets) * each + index % each;
+        const int set = int(point % size_t(sets));
         prepare(h, scratch);
+        if (point >= scratch.points.size()) return false;
         if (!scratch.filled || scratch.of.index != tile.index || index == 0) {
             scratch.scrambles.clear();
             for (int y = tile.y0; y < tile.y1; ++y)
@@ -81,7 +82,7 @@ struct OutputLocations {
             scratch.filled = true;
         }
         Locations& at = out.get<Locations>("locations");
-        const light_field::LensPoint p = scratch.points[index];
+        const light_field::LensPoint p = scratch.points[point];
         at.shared = true;
         at.u.assign(1, p.u);
         at.v.assign(1, p.v);
@@ -90,25 +91,22 @@ struct OutputLocations {
         at.y0 = tile.y0;
         at.x1 = tile.x1;
         at.y1 = tile.y1;
-        at.slice = index;
-        const int first = int(slice) * per_slice, end = std::min(first + per_slice, per_pixel);
-        const size_t most = size_t(tile.width()) * size_t(tile.height()) * size_t(end - first);
+        at.slice = point;
+        const size_t most = size_t(tile.width()) * size_t(tile.height());
         at.x.resize(most);
         at.y.resize(most);
         at.own_pixels.resize(most);
+        const auto pattern = light_field::pixel_pattern(std::uint32_t(i));
+        const std::uint64_t* scramble = scratch.scrambles.data();
+        const bool spread = position == Position::spread;
         size_t n = 0;
-        for (int i = first; i < end; ++i) {
-            const auto pattern = light_field::pixel_pattern(std::uint32_t(i));
-            const std::uint64_t* scramble = scratch.scrambles.data();
-            for (int y = tile.y0; y < tile.y1; ++y)
-                for (int x = tile.x0; x < tile.x1; ++x, ++scramble) {
-                    if (sets > 1 && (x + 3 * y) % sets != set) continue;
-                    const bool spread = position == Position::spread;
-                    at.x[n] = float(x) + (spread ? light_field::unit(pattern[0] ^ std::uint32_t(*scramble)) : 0.5f);
-                    at.y[n] = float(y) + (spread ? light_field::unit(pattern[1] ^ std::uint32_t(*scramble >> 32)) : 0.5f);
-                    at.own_pixels[n++] = std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(x);
-                }
-        }
+        for (int y = tile.y0; y < tile.y1 && i < size_t(per_pixel); ++y)
+            for (int x = tile.x0; x < tile.x1; ++x, ++scramble) {
+                if (sets > 1 && (x + 3 * y) % sets != set) continue;
+                at.x[n] = float(x) + (spread ? light_field::unit(pattern[0] ^ std::uint32_t(*scramble)) : 0.5f);
+                at.y[n] = float(y) + (spread ? light_field::unit(pattern[1] ^ std::uint32_t(*scramble >> 32)) : 0.5f);
+                at.own_pixels[n++] = std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(x);
+            }
         at.pixels = std::span(at.own_pixels).first(n);
         at.parents = {};
         return true;

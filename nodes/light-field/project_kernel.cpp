@@ -36,23 +36,38 @@ struct Quantity {
     VF operator()(VF value) const { return hn::Mul(hn::Sub(value, low), scale); }
 };
 
-template <bool moving>
-void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, float v, float d, Projection& out) {
-    const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f);
-    const VF c0 = hn::Set(f, h.lens.c0), c1 = hn::Set(f, h.lens.c1), time = hn::Set(f, d);
-    const VF lens_x = hn::Set(f, u * h.lens.aspect), lens_y = hn::Set(f, v);
-    const VF own_x = hn::Set(f, h.lens.c1 * u * h.lens.aspect), own_y = hn::Set(f, h.lens.c1 * v);
-    const VF per_width = hn::Set(f, 1.0f / out.cell_width), per_height = hn::Set(f, 1.0f / out.cell_height);
-    const VI column0 = hn::Set(sn, out.column0), row0 = hn::Set(sn, out.row0), none = hn::Set(sn, -1);
-    const VI columns = hn::Set(sn, out.columns), rows = hn::Set(sn, out.rows), pitch = hn::Set(sn, out.columns + 1);
-    const Quantity slope_byte(block.slope_low, block.slope_step);
-    const Quantity vx_byte(block.velocity_x_low, block.velocity_step), vy_byte(block.velocity_y_low, block.velocity_step);
-    const VF most = hn::Set(f, 255.0f);
-    VF lowest[3] = {hn::Set(f, 1e9f), hn::Set(f, 1e9f), hn::Set(f, 1e9f)};
-    VF highest[3] = {hn::Set(f, -1e9f), hn::Set(f, -1e9f), hn::Set(f, -1e9f)};
+struct Projector {
+    const Hierarchy& h;
+    Block& block;
+    Projection& out;
+    const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f), most = hn::Set(f, 255.0f);
+    const VF c0, c1, time, lens_x, lens_y, own_x, own_y, per_width, per_height;
+    const VI column0, row0, columns, rows, pitch;
+    const Quantity slope_byte, vx_byte, vy_byte;
+    const VU standing;  // velocity bytes of what does not move
+    Spread spread;
     size_t n = 0;
-    for (size_t k = 0; k < groups; ++k) {
-        const size_t begin = size_t(block.seen[k]) * Hierarchy::group_size;
+
+    Projector(const Hierarchy& hierarchy, Block& b, float u, float v, float d, Projection& projection)
+        : h(hierarchy), block(b), out(projection), c0(hn::Set(f, h.lens.c0)), c1(hn::Set(f, h.lens.c1)), time(hn::Set(f, d)),
+          lens_x(hn::Set(f, u * h.lens.aspect)), lens_y(hn::Set(f, v)), own_x(hn::Set(f, h.lens.c1 * u * h.lens.aspect)),
+          own_y(hn::Set(f, h.lens.c1 * v)), per_width(hn::Set(f, 1.0f / out.cell_width)),
+          per_height(hn::Set(f, 1.0f / out.cell_height)), column0(hn::Set(sn, out.column0)), row0(hn::Set(sn, out.row0)),
+          columns(hn::Set(sn, out.columns)), rows(hn::Set(sn, out.rows)), pitch(hn::Set(sn, out.columns + 1)),
+          slope_byte(b.slope_low, b.slope_step), vx_byte(b.velocity_x_low, b.velocity_step),
+          vy_byte(b.velocity_y_low, b.velocity_step),
+          standing(hn::Or(velocity_bytes(vx_byte(zero), vy_byte(zero)), hn::Or(unfit(vx_byte(zero)), unfit(vy_byte(zero))))) {}
+
+    HWY_INLINE VU byte(VF value) const { return hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(value, zero), most))); }
+    HWY_INLINE VU velocity_bytes(VF x, VF y) const { return hn::Or(hn::ShiftLeft<8>(byte(x)), hn::ShiftLeft<16>(byte(y))); }
+    // The fourth byte, where a quantity does not fit into its own.
+    HWY_INLINE VU unfit(VF value) const {
+        const auto fits = hn::And(hn::Ge(value, zero), hn::Le(value, most));
+        return hn::IfThenElseZero(hn::RebindMask(un, hn::Not(fits)), hn::Set(un, 0xff000000u));
+    }
+
+    template <bool moving>
+    HWY_INLINE void group(size_t begin) {
         for (size_t i = begin; i < begin + Hierarchy::group_size; i += lanes) {
             VF X = hn::LoadU(f, &h.X[i]), Y = hn::LoadU(f, &h.Y[i]), W = hn::LoadU(f, &h.W[i]);
             VF VX = zero, VY = zero, VW = zero;
@@ -70,27 +85,21 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
             const VF y = hn::MulAdd(slope, lens_y, hn::Mul(Y, inverse));
             const VI column = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(x, per_width))), column0);
             const VI row = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(y, per_height))), row0);
-            const auto in_x = hn::And(hn::Gt(column, none), hn::Lt(column, columns));
-            const auto in_y = hn::And(hn::Gt(row, none), hn::Lt(row, rows));
+            // As unsigned numbers those below 0 are too large as well.
+            const auto in_x = hn::Lt(hn::BitCast(un, column), hn::BitCast(un, columns));
+            const auto in_y = hn::Lt(hn::BitCast(un, row), hn::BitCast(un, rows));
             const auto in = hn::And(hn::RebindMask(f, hn::And(in_x, in_y)), hn::Gt(W, zero));
             const VI cell = hn::Add(hn::Mul(row, pitch), column);
-
-            const VF sb = slope_byte(slope);
-            lowest[0] = hn::Min(lowest[0], hn::IfThenElse(in, sb, most));
-            highest[0] = hn::Max(highest[0], hn::IfThenElse(in, sb, zero));
-            VU traits = hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(sb, zero), most)));
+            const VF of_slope = slope_byte(slope);
+            VU traits = hn::Or(byte(of_slope), unfit(of_slope));
             if constexpr (moving) {
-                const VF vx = hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(x, own_x), VX));
-                const VF vy = hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(y, own_y), VY));
-                const VF xb = vx_byte(vx), yb = vy_byte(vy);
-                lowest[1] = hn::Min(lowest[1], hn::IfThenElse(in, xb, most));
-                highest[1] = hn::Max(highest[1], hn::IfThenElse(in, xb, zero));
-                lowest[2] = hn::Min(lowest[2], hn::IfThenElse(in, yb, most));
-                highest[2] = hn::Max(highest[2], hn::IfThenElse(in, yb, zero));
-                const VU qx = hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(xb, zero), most)));
-                const VU qy = hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(yb, zero), most)));
-                traits = hn::Or(traits, hn::Or(hn::ShiftLeft<8>(qx), hn::ShiftLeft<16>(qy)));
+                const VF vx = vx_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(x, own_x), VX)));
+                const VF vy = vy_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(y, own_y), VY)));
+                traits = hn::Or(traits, hn::Or(velocity_bytes(vx, vy), hn::Or(unfit(vx), unfit(vy))));
+            } else {
+                traits = hn::Or(traits, standing);
             }
+            spread.add(traits, in);
             const Pack pack(in);
             pack.store(x, &block.x[n]);
             pack.store(y, &block.y[n]);
@@ -100,19 +109,17 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
             n += pack.count;
         }
     }
-    out.samples = n;
-    // The bytes hold only while none of them was cut off.
-    out.spread = 0;
-    for (int part = 0; part < (moving ? 3 : 1); ++part) {
-        const float low = hn::GetLane(hn::MinOfLanes(f, lowest[part]));
-        const float high = hn::GetLane(hn::MaxOfLanes(f, highest[part]));
-        if (n == 0) break;
-        if (!(low >= 0.0f && high <= 255.0f)) {
-            out.spread = 0xffffffffu;
-            break;
-        }
-        out.spread |= std::uint32_t(int(high) - int(low)) << (8 * part);
+};
+
+void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, float v, float d, Projection& out) {
+    Projector to(h, block, u, v, d, out);
+    for (size_t k = 0; k < groups; ++k) {
+        const std::uint32_t g = block.seen[k];
+        if (h.groups.moves[g]) to.group<true>(size_t(g) * Hierarchy::group_size);
+        else to.group<false>(size_t(g) * Hierarchy::group_size);
     }
+    out.samples = to.n;
+    out.spread = to.n == 0 ? 0 : to.spread.between();
 }
 
 // Puts what project_groups left in order of cells.
@@ -183,8 +190,7 @@ void project(const Hierarchy& h, Block& block, float u, float v, float t, Projec
         block.y.resize(most);
         for (auto* values : {&block.cell, &block.sample, &block.traits, &block.rank}) values->resize(most);
     }
-    if (h.moving) project_groups<true>(h, block, groups, u, v, d, out);
-    else project_groups<false>(h, block, groups, u, v, d, out);
+    project_groups(h, block, groups, u, v, d, out);
     sort_into_cells(block, out);
 }
 

@@ -96,4 +96,50 @@ class Pack {
     VU order_ = hn::Undefined(un);
 };
 
+// Which of the next lanes' surfaces are in [first, last].
+HWY_INLINE hn::Mask<F> surface_among(const std::uint16_t* surfaces, std::uint16_t first, std::uint16_t last) {
+    const VI surface = hn::PromoteTo(sn, hn::LoadU(hn::Rebind<std::uint16_t, I>(), surfaces));
+    const auto outside = hn::Or(hn::Lt(surface, hn::Set(sn, first)), hn::Gt(surface, hn::Set(sn, last)));
+    return hn::RebindMask(f, hn::Not(outside));
+}
+
+// The lowest of each of the four bytes over all lanes.
+using B = hn::Repartition<std::uint8_t, F>;
+inline constexpr B un8{};
+HWY_INLINE std::uint32_t lowest_bytes(VU v) {
+    const hn::FixedTag<std::uint32_t, 4> q;
+    const hn::FixedTag<std::uint8_t, 16> qb;
+#if HWY_MAX_BYTES == 64
+    const hn::FixedTag<std::uint32_t, 8> o;
+    const hn::FixedTag<std::uint8_t, 32> ob;
+    const auto eight = hn::BitCast(o, hn::Min(hn::BitCast(ob, hn::LowerHalf(o, v)), hn::BitCast(ob, hn::UpperHalf(o, v))));
+    auto low = hn::Min(hn::BitCast(qb, hn::LowerHalf(q, eight)), hn::BitCast(qb, hn::UpperHalf(q, eight)));
+#elif HWY_MAX_BYTES == 32
+    auto low = hn::Min(hn::BitCast(qb, hn::LowerHalf(q, v)), hn::BitCast(qb, hn::UpperHalf(q, v)));
+#else
+    auto low = hn::BitCast(qb, v);
+#endif
+    low = hn::Min(low, hn::BitCast(qb, hn::Shuffle1032(hn::BitCast(q, low))));
+    low = hn::Min(low, hn::BitCast(qb, hn::Shuffle2301(hn::BitCast(q, low))));
+    return hn::GetLane(hn::BitCast(q, low));
+}
+
+// Bytes that three quantities of a sample are rounded to, and how far they spread among samples:
+// lowest of each and, of the complements, lowest again.
+struct Spread {
+    VU least = hn::Set(un, 0xffffffffu), most = hn::Set(un, 0xffffffffu);
+    template <class M>
+    HWY_INLINE void add(VU four, M in) {
+        const VU outside = hn::VecFromMask(un, hn::Not(hn::RebindMask(un, in)));
+        least = hn::BitCast(un, hn::Min(hn::BitCast(un8, least), hn::BitCast(un8, hn::Or(four, outside))));
+        most = hn::BitCast(un, hn::Min(hn::BitCast(un8, most), hn::BitCast(un8, hn::Or(hn::Not(four), outside))));
+    }
+    // Highest minus lowest of each byte, all ones where a fourth byte was set: its sample's quantities do
+    // not fit. Of something that at least one sample was added to.
+    HWY_INLINE std::uint32_t between() const {
+        const std::uint32_t high = ~lowest_bytes(most);
+        return high >> 24 ? 0xffffffffu : high - lowest_bytes(least);
+    }
+};
+
 }  // namespace weft::light_field::WEFT_ISA

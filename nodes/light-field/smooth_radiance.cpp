@@ -11,6 +11,8 @@
 namespace weft {
 namespace light_field {
 
+constexpr size_t spare = 16;  // vectors may be read past the end
+
 SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     const size_t n = samples.size();
     const Lens lens = samples.has_lens() ? *samples.lens : Lens{};
@@ -44,7 +46,6 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     for (std::uint64_t key : keys) ++s.start[key + 1];
     for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
     s.order = sorted(keys, ctx);
-    constexpr size_t spare = 16;
     for (auto* values : {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b}) values->resize(n + spare);
     const auto rgb = samples.rgb();
     ctx.parallel_for(
@@ -66,45 +67,28 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     return s;
 }
 
-void Predictions::resize(size_t samples) {
-    for (auto* values : {&error, &r, &g, &b}) values->resize(Smoothing::treatments * samples);
-    weight.assign(samples, 1);
-}
-
 std::vector<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by, Context& ctx) {
     const size_t n = samples.size();
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
-    const SampleField s = sample_field(samples, 0.5f * by.width.back(), ctx);
-    const size_t filled = s.x.size();
-    Predictions p;
-    p.resize(filled);
-    std::vector<std::uint8_t> best(n);
-    constexpr size_t grain = 1024;
+    const SampleField s = sample_field(samples, 0.75f * radius, ctx);
+    by.window = by.width.back();
     std::atomic<size_t> done = 0;
-    ctx.parallel(n, grain, [&](size_t begin, size_t end) {
-        WEFT_PICK(predict)(s, by, begin, end, p);
-        ctx.progress(double(done += end - begin), 3 * double(n), "samples");
-    });
-    ctx.parallel(n, grain, [&](size_t begin, size_t end) {
-        WEFT_PICK(sharpen)(s, by, begin, end, p);
-        ctx.progress(double(done += end - begin), 3 * double(n), "samples");
-    });
-    ctx.parallel(n, grain, [&](size_t begin, size_t end) {
-        WEFT_PICK(choose)(s, by, p, begin, end, best);
-        ctx.progress(double(done += end - begin), 3 * double(n), "samples");
-    });
+    const auto each = [&](auto&& work) {
+        ctx.parallel(n, 1024, [&](size_t begin, size_t end) {
+            work(begin, end);
+            ctx.progress(double(done += end - begin), 4 * double(n), "samples");
+        });
+    };
+    Filtered filtered;
+    for (auto* values : {&filtered.r, &filtered.g, &filtered.b, &filtered.weight}) values->resize(n + spare, 1);
+    std::vector<float> errors(Smoothing::treatments * (n + spare));
+    std::vector<std::uint8_t> best(n);
     std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
-    ctx.parallel_for(
-        n,
-        [&](size_t i) {
-            if (best[i] == 0) return;
-            const size_t from = size_t(best[i]) * filled + i, to = 3 * size_t(s.order[i]);
-            rgb[to] = p.r[from];
-            rgb[to + 1] = p.g[from];
-            rgb[to + 2] = p.b[from];
-        },
-        4096);
+    each([&](size_t begin, size_t end) { WEFT_PICK(filter_samples)(s, by, begin, end, filtered); });
+    each([&](size_t begin, size_t end) { WEFT_PICK(find_errors)(s, filtered, by, begin, end, errors); });
+    each([&](size_t begin, size_t end) { WEFT_PICK(choose)(s, errors, by, begin, end, best); });
+    each([&](size_t begin, size_t end) { WEFT_PICK(treat)(s, filtered, best, by, begin, end, rgb); });
     return rgb;
 }
 
@@ -132,7 +116,7 @@ struct SmoothRadiance {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 150 * n, 4000 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 90 * n, 2000 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");

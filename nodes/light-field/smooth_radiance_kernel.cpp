@@ -9,27 +9,36 @@ namespace {
 
 constexpr size_t widths = Smoothing::widths, treatments = Smoothing::treatments;
 
-// work(i, distance, mask) for vectors i ... of neighbours of sample `at` within `reach` that lie on its surface.
+// A place on a surface, in every lane.
+struct Place {
+    float px, py;
+    VF x, y, slope, vx, vy, depth;
+    Place(const SampleField& s, size_t at)
+        : px(s.x[at]), py(s.y[at]), x(hn::Set(f, s.x[at])), y(hn::Set(f, s.y[at])), slope(hn::Set(f, s.slope[at])),
+          vx(hn::Set(f, s.velocity_x[at])), vy(hn::Set(f, s.velocity_y[at])), depth(hn::Set(f, s.log_depth[at])) {}
+};
+
+// work(i, distance, mask) for vectors i ... of samples of `s` within `reach` that lie on the place's surface.
 template <class Work>
-HWY_INLINE void each_neighbour(const SampleField& s, const Smoothing& by, float reach, size_t at, Work&& work) {
-    const VF x = hn::Set(f, s.x[at]), y = hn::Set(f, s.y[at]), limit = hn::Set(f, reach * reach);
-    const VF slope = hn::Set(f, s.slope[at]), vx = hn::Set(f, s.velocity_x[at]), vy = hn::Set(f, s.velocity_y[at]);
-    const VF depth = hn::Set(f, s.log_depth[at]);
+HWY_INLINE void each_neighbour(const SampleField& s, const Smoothing& by, float reach, const Place& place, Work&& work) {
+    const VF limit = hn::Set(f, reach * reach);
     const VF slope_limit = hn::Set(f, by.slope), velocity_limit = hn::Set(f, by.velocity), depth_limit = hn::Set(f, by.depth);
-    const int left = s.column_of(s.x[at] - reach), right = s.column_of(s.x[at] + reach);
-    const int top = s.row_of(s.y[at] - reach), bottom = s.row_of(s.y[at] + reach);
+    const int top = s.row_of(place.py - reach), bottom = s.row_of(place.py + reach);
     for (int row = top; row <= bottom; ++row) {
+        // How far the disk reaches in this row. The outermost rows hold whatever lies beyond them, too.
+        const float upper = s.y0 + float(row) * s.cell, away = std::max({upper - place.py, place.py - upper - s.cell, 0.0f});
+        const bool outermost = row == 0 || row + 1 == s.rows;
+        const float half = outermost ? reach : std::sqrt(std::max(reach * reach - away * away, 0.0f)) + 1e-3f;
         const std::uint32_t* start = &s.start[size_t(row) * size_t(s.columns)];
-        const size_t end = start[right + 1];
-        for (size_t i = start[left]; i < end; i += lanes) {
-            const VF dx = hn::Sub(hn::LoadU(f, &s.x[i]), x), dy = hn::Sub(hn::LoadU(f, &s.y[i]), y);
+        const size_t end = start[s.column_of(place.px + half) + 1];
+        for (size_t i = start[s.column_of(place.px - half)]; i < end; i += lanes) {
+            const VF dx = hn::Sub(hn::LoadU(f, &s.x[i]), place.x), dy = hn::Sub(hn::LoadU(f, &s.y[i]), place.y);
             const VF d2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
             auto near = hn::And(hn::Lt(d2, limit), hn::FirstN(f, end - i));
-            if (hn::AllFalse(f, near)) continue;
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.slope[i]), slope), slope_limit));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.log_depth[i]), depth), depth_limit));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.velocity_x[i]), vx), velocity_limit));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.velocity_y[i]), vy), velocity_limit));
+            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.slope[i]), place.slope), slope_limit));
+            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.log_depth[i]), place.depth), depth_limit));
+            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.velocity_x[i]), place.vx), velocity_limit));
+            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.velocity_y[i]), place.vy), velocity_limit));
             work(i, hn::Sqrt(d2), near);
         }
     }
@@ -37,96 +46,121 @@ HWY_INLINE void each_neighbour(const SampleField& s, const Smoothing& by, float 
 
 float sum(VF v) { return hn::GetLane(hn::SumOfLanes(f, v)); }
 
+// Weighted sums of radiance.
+struct Sums {
+    VF w = hn::Zero(f), r = hn::Zero(f), g = hn::Zero(f), b = hn::Zero(f);
+    HWY_INLINE void add(VF weight, VF red, VF green, VF blue) {
+        w = hn::Add(w, weight);
+        r = hn::MulAdd(weight, red, r);
+        g = hn::MulAdd(weight, green, g);
+        b = hn::MulAdd(weight, blue, b);
+    }
+};
+
+// 1 - distance / width.
+HWY_INLINE VF tent(VF distance, VF per_width) { return hn::NegMulAdd(distance, per_width, hn::Set(f, 1.0f)); }
+
 }  // namespace
 
-void predict(const SampleField& s, const Smoothing& by, size_t begin, size_t end, Predictions& out) {
-    const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
-    const size_t pitch = s.x.size();
+void filter_samples(const SampleField& s, const Smoothing& by, size_t begin, size_t end, Filtered& out) {
+    const VF per_width = hn::Set(f, 1.0f / by.width[0]);
     for (size_t at = begin; at < end; ++at) {
-        VF w[widths], r[widths], g[widths], b[widths];
-        for (size_t k = 0; k < widths; ++k) w[k] = r[k] = g[k] = b[k] = zero;
-        const VI self = hn::Set(sn, std::int32_t(at));
-        each_neighbour(s, by, by.width[widths - 1], at, [&](size_t i, VF distance, auto near) {
-            const auto other = hn::AndNot(hn::RebindMask(f, hn::Eq(hn::Iota(sn, std::int32_t(i)), self)), near);
-            const VF ri = hn::LoadU(f, &s.r[i]), gi = hn::LoadU(f, &s.g[i]), bi = hn::LoadU(f, &s.b[i]);
-            for (size_t k = 0; k < widths; ++k) {
-                const VF tent = hn::Max(zero, hn::NegMulAdd(distance, hn::Set(f, 1.0f / by.width[k]), one));
-                const VF weight = hn::IfThenElseZero(other, k == 0 ? hn::Mul(tent, tent) : tent);
-                w[k] = hn::Add(w[k], weight);
-                r[k] = hn::MulAdd(weight, ri, r[k]);
-                g[k] = hn::MulAdd(weight, gi, g[k]);
-                b[k] = hn::MulAdd(weight, bi, b[k]);
-            }
+        Sums sums;
+        each_neighbour(s, by, by.width[0], Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
+            const VF part = tent(distance, per_width), weight = hn::IfThenElseZero(near, hn::Mul(part, part));
+            sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
         });
-        const float own[3] = {s.r[at], s.g[at], s.b[at]};
-        float weight[widths], mean[widths][3];
-        for (size_t k = 0; k < widths; ++k) {
-            weight[k] = sum(w[k]);
-            const float all[3] = {sum(r[k]), sum(g[k]), sum(b[k])};
-            for (size_t c = 0; c < 3; ++c) mean[k][c] = all[c];
-            out.r[k * pitch + at] = (all[0] + own[0]) / (weight[k] + 1);
-            out.g[k * pitch + at] = (all[1] + own[1]) / (weight[k] + 1);
-            out.b[k * pitch + at] = (all[2] + own[2]) / (weight[k] + 1);
-        }
-        out.weight[at] = weight[0] + 1;
-        const size_t last = (widths - 1) * pitch + at;
-        const float wide[3] = {out.r[last], out.g[last], out.b[last]};
-        for (size_t k = 0; k < widths; ++k) {
-            float error = 0;
-            for (size_t c = 0; c < 3; ++c) {
-                const float guess = weight[k] > 0 ? mean[k][c] / weight[k] : wide[c], off = own[c] - guess;
-                error += off * off / (wide[c] * wide[c] + by.epsilon * by.epsilon);
-            }
-            out.error[k * pitch + at] = error;
-        }
+        const float weight = sum(sums.w);  // 1 at least, the sample's own
+        out.weight[at] = weight;
+        out.r[at] = sum(sums.r) / weight;
+        out.g[at] = sum(sums.g) / weight;
+        out.b[at] = sum(sums.b) / weight;
     }
 }
 
-void sharpen(const SampleField& s, const Smoothing& by, size_t begin, size_t end, Predictions& out) {
-    const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f), per_width = hn::Set(f, 1.0f / by.width[0]);
-    const size_t pitch = s.x.size(), sharp = widths * pitch, wide = (widths - 1) * pitch;
+void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing& by, size_t begin, size_t end,
+                 std::vector<float>& errors) {
+    const VF zero = hn::Zero(f);
+    VF per_width[widths];
+    for (size_t k = 0; k < widths; ++k) per_width[k] = hn::Set(f, 1.0f / by.width[k]);
+    const size_t pitch = s.x.size();
     for (size_t at = begin; at < end; ++at) {
-        VF r = zero, g = zero, b = zero, overlap = zero;
-        each_neighbour(s, by, by.width[0], at, [&](size_t i, VF distance, auto near) {
-            const VF tent = hn::NegMulAdd(distance, per_width, one), weight = hn::IfThenElseZero(near, hn::Mul(tent, tent));
-            const auto doubled = [&](const std::vector<float>& y, const std::vector<float>& mean) {
+        const Place place(s, at);
+        Sums wide[widths];
+        each_neighbour(s, by, by.width[widths - 1], place, [&](size_t i, VF distance, auto near) HWY_ATTR {
+            const VF r = hn::LoadU(f, &s.r[i]), g = hn::LoadU(f, &s.g[i]), b = hn::LoadU(f, &s.b[i]);
+            for (size_t k = 1; k < widths; ++k)
+                wide[k].add(hn::IfThenElseZero(near, hn::Max(zero, tent(distance, per_width[k]))), r, g, b);
+        });
+        Sums sharp;
+        VF overlap = zero;
+        each_neighbour(s, by, by.width[0], place, [&](size_t i, VF distance, auto near) HWY_ATTR {
+            const VF part = tent(distance, per_width[0]), weight = hn::IfThenElseZero(near, hn::Mul(part, part));
+            const auto doubled = [&](const std::vector<float>& y, const std::vector<float>& mean) HWY_ATTR {
                 const VF value = hn::LoadU(f, &y[i]);
                 return hn::Sub(hn::Add(value, value), hn::LoadU(f, &mean[i]));
             };
-            r = hn::MulAdd(weight, doubled(s.r, out.r), r);
-            g = hn::MulAdd(weight, doubled(s.g, out.g), g);
-            b = hn::MulAdd(weight, doubled(s.b, out.b), b);
-            overlap = hn::Add(overlap, hn::IfThenElseZero(near, hn::Div(hn::Mul(weight, weight), hn::LoadU(f, &out.weight[i]))));
+            sharp.add(weight, doubled(s.r, filtered.r), doubled(s.g, filtered.g), doubled(s.b, filtered.b));
+            overlap = hn::Add(overlap, hn::IfThenElseZero(near, hn::Div(hn::Mul(weight, weight), hn::LoadU(f, &filtered.weight[i]))));
         });
-        // How much of the sample is in its own prediction: of H + H (1 - H), with H_ij = w_ij / W_i.
-        const float own = (2 - sum(overlap)) / out.weight[at], left = std::max(1 - own, 1e-3f);
-        const float y[3] = {s.r[at], s.g[at], s.b[at]}, guess[3] = {sum(r), sum(g), sum(b)};
-        const float mean[3] = {out.r[wide + at], out.g[wide + at], out.b[wide + at]};
-        float error = 0;
-        for (size_t c = 0; c < 3; ++c) {
-            const float off = (y[c] - guess[c] / out.weight[at]) / left;
-            error += off * off / (mean[c] * mean[c] + by.epsilon * by.epsilon);
+        const float own[3] = {s.r[at], s.g[at], s.b[at]};
+        // Predictions with the sample itself among them, and its share in each: leaving it out multiplies the
+        // difference from it by 1 / (1 - share).
+        float guess[treatments][3], share[treatments];
+        const auto put = [&](size_t k, float r, float g, float b, float part) {
+            guess[k][0] = r, guess[k][1] = g, guess[k][2] = b, share[k] = part;
+        };
+        put(0, filtered.r[at], filtered.g[at], filtered.b[at], 1 / filtered.weight[at]);
+        for (size_t k = 1; k < widths; ++k) {
+            const float weight = sum(wide[k].w);
+            put(k, sum(wide[k].r) / weight, sum(wide[k].g) / weight, sum(wide[k].b) / weight, 1 / weight);
         }
-        out.error[sharp + at] = own < 0.95f ? error : 1e6f;
-        out.r[sharp + at] = std::max(0.0f, 2 * y[0] - out.r[at]);
-        out.g[sharp + at] = std::max(0.0f, 2 * y[1] - out.g[at]);
-        out.b[sharp + at] = std::max(0.0f, 2 * y[2] - out.b[at]);
+        // Of H + H (1 - H), with H_ij = w_ij / W_i.
+        const float weight = filtered.weight[at];
+        put(widths, sum(sharp.r) / weight, sum(sharp.g) / weight, sum(sharp.b) / weight, (2 - sum(overlap)) / weight);
+        const float* mean = guess[widths - 1];
+        for (size_t k = 0; k < treatments; ++k) {
+            float error = 0;
+            for (size_t c = 0; c < 3; ++c) {
+                // A sample all alone is predicted by the widest mean, which is itself.
+                const float off = share[k] < 0.999f ? (own[c] - guess[k][c]) / (1 - share[k]) : own[c] - mean[c];
+                error += off * off / (mean[c] * mean[c] + by.epsilon * by.epsilon);
+            }
+            errors[k * pitch + at] = error;
+        }
     }
 }
 
-void choose(const SampleField& s, const Smoothing& by, const Predictions& from, size_t begin, size_t end,
+void choose(const SampleField& s, const std::vector<float>& errors, const Smoothing& by, size_t begin, size_t end,
             std::vector<std::uint8_t>& best) {
-    const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f), per_reach = hn::Set(f, 1.0f / by.width[widths - 1]);
+    const VF zero = hn::Zero(f), per_window = hn::Set(f, 1.0f / by.window);
     const size_t pitch = s.x.size();
+    // Averages change little from one sample to the next on a surface: the last few choices are taken again.
+    constexpr size_t kept = 4;
+    size_t last[kept], known = 0;
+    const float near2 = 0.5f * by.width[0] * by.width[0];
     for (size_t at = begin; at < end; ++at) {
+        const auto alike = [&](size_t other) {
+            const float dx = s.x[at] - s.x[other], dy = s.y[at] - s.y[other];
+            return dx * dx + dy * dy <= near2 && std::abs(s.slope[at] - s.slope[other]) <= by.slope &&
+                   std::abs(s.log_depth[at] - s.log_depth[other]) <= by.depth &&
+                   std::abs(s.velocity_x[at] - s.velocity_x[other]) <= by.velocity &&
+                   std::abs(s.velocity_y[at] - s.velocity_y[other]) <= by.velocity;
+        };
+        const size_t* of = std::find_if(last, last + std::min(known, kept), alike);
+        if (of != last + std::min(known, kept)) {
+            best[at] = best[*of];
+            continue;
+        }
+        last[known++ % kept] = at;
         VF mean[treatments], spread[treatments];
         for (size_t k = 0; k < treatments; ++k) mean[k] = spread[k] = zero;
-        each_neighbour(s, by, by.width[widths - 1], at, [&](size_t i, VF distance, auto near) {
-            const VF weight = hn::IfThenElseZero(near, hn::NegMulAdd(distance, per_reach, one));
-            const VF narrow = hn::LoadU(f, &from.error[i]);
+        each_neighbour(s, by, by.window, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
+            const VF weight = hn::IfThenElseZero(near, tent(distance, per_window));
+            const VF as_is = hn::LoadU(f, &errors[i]);
             for (size_t k = 1; k < treatments; ++k) {
                 // Against the sample as it is, so that what all have in common falls out.
-                const VF gain = hn::Mul(weight, hn::Sub(hn::LoadU(f, &from.error[k * pitch + i]), narrow));
+                const VF gain = hn::Mul(weight, hn::Sub(hn::LoadU(f, &errors[k * pitch + i]), as_is));
                 mean[k] = hn::Add(mean[k], gain);
                 spread[k] = hn::MulAdd(gain, gain, spread[k]);
             }
@@ -141,6 +175,31 @@ void choose(const SampleField& s, const Smoothing& by, const Predictions& from, 
                 best[at] = std::uint8_t(k);
             }
         }
+    }
+}
+
+void treat(const SampleField& s, const Filtered& filtered, const std::vector<std::uint8_t>& best, const Smoothing& by,
+           size_t begin, size_t end, std::span<float> rgb) {
+    for (size_t at = begin; at < end; ++at) {
+        const size_t k = best[at];
+        if (k == 0) continue;
+        float* to = &rgb[3 * size_t(s.order[at])];
+        if (k == widths) {
+            to[0] = std::max(0.0f, 2 * s.r[at] - filtered.r[at]);
+            to[1] = std::max(0.0f, 2 * s.g[at] - filtered.g[at]);
+            to[2] = std::max(0.0f, 2 * s.b[at] - filtered.b[at]);
+            continue;
+        }
+        Sums sums;
+        const VF per_width = hn::Set(f, 1.0f / by.width[k]);
+        each_neighbour(s, by, by.width[k], Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
+            const VF weight = hn::IfThenElseZero(near, tent(distance, per_width));
+            sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
+        });
+        const float weight = sum(sums.w);  // 1 at least, the sample's own
+        to[0] = sum(sums.r) / weight;
+        to[1] = sum(sums.g) / weight;
+        to[2] = sum(sums.b) / weight;
     }
 }
 

@@ -6,13 +6,15 @@
 //   smoothed     means under tents of greater widths
 //   neighbours   by position at lens centre and half time; of one surface where slope, velocity and
 //                depth are alike
-//   errors       (sample - prediction)^2 / (wide mean^2 + epsilon^2), averaged over the widest kernel
+//   errors       (sample - prediction)^2 / (wide mean^2 + epsilon^2), averaged over a window
 // Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), twicing (Tukey 1977;
 // Stuetzle and Mittal 1979); own combination.
-// Cost: passes over some 500 neighbours a sample, about 1 us.  Threads: through the context.
+// Cost: some 400 neighbours a sample in all, about 1 us.
+// Threads: through the context.
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "runtime/context.h"
@@ -25,6 +27,7 @@ struct Smoothing {
     static constexpr size_t widths = 4;
     static constexpr size_t treatments = widths + 1;  // 0 as it is, 1 ... smoothed, the last sharpened
     std::array<float, widths> width{};  // px, ascending; the first is that of the filter to come
+    float window = 3;                   // px: errors are averaged within it
     float slope = 0.6f;                 // px: most that two of one surface differ by
     float velocity = 1.5f;              // px per shutter
     float depth = 0.03f;                // of the logarithm
@@ -33,7 +36,8 @@ struct Smoothing {
     float epsilon = 0.1f;               // radiance below which errors count less
 };
 
-// Samples in a grid of square cells, row by row; all arrays sorted by cell and filled up to whole vectors.
+// Samples in a grid of square cells, row by row; all arrays are sorted by cell and longer than needed, for
+// whole vectors.
 struct SampleField {
     size_t size = 0;
     int columns = 0, rows = 0;
@@ -50,20 +54,20 @@ struct SampleField {
 };
 SampleField sample_field(const Samples& samples, float cell, Context& ctx);
 
-// Of each sample of the field and each width.
-struct Predictions {
-    std::vector<float> error;        // by treatment, then sample
-    std::vector<float> weight;       // sum of weights under the narrowest
-    std::vector<float> r, g, b;      // by treatment, then sample: radiance; treatment 0: under the filter
-    void resize(size_t samples);
+// What the filter to come makes of each sample, and the sum of its weights there.
+struct Filtered {
+    std::vector<float> r, g, b, weight;
 };
 
-#define WEFT_SMOOTHING_KERNELS(isa)                                                                                   \
-    namespace isa {                                                                                                   \
-    void predict(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Predictions& out);          \
-    void sharpen(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Predictions& out);          \
-    void choose(const SampleField& field, const Smoothing& by, const Predictions& from, size_t begin, size_t end,     \
-                std::vector<std::uint8_t>& best);                                                                     \
+#define WEFT_SMOOTHING_KERNELS(isa)                                                                                  \
+    namespace isa {                                                                                                  \
+    void filter_samples(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Filtered& out);     \
+    void find_errors(const SampleField& field, const Filtered& filtered, const Smoothing& by, size_t begin,          \
+                     size_t end, std::vector<float>& errors);                                                        \
+    void choose(const SampleField& field, const std::vector<float>& errors, const Smoothing& by, size_t begin,       \
+                size_t end, std::vector<std::uint8_t>& best);                                                        \
+    void treat(const SampleField& field, const Filtered& filtered, const std::vector<std::uint8_t>& best,            \
+               const Smoothing& by, size_t begin, size_t end, std::span<float> rgb);                                 \
     }
 WEFT_SMOOTHING_KERNELS(v2)
 WEFT_SMOOTHING_KERNELS(v3)

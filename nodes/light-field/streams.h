@@ -63,7 +63,8 @@ struct Trajectory {
     float velocity_x = 0, velocity_y = 0;    // px per shutter
 };
 
-// The samples within `radius` of each location: those of location l are [offset[l], offset[l + 1]).
+// The samples within `radius` of each location: those of location l are [offset[l], offset[l + 1]). Arrays
+// of candidates, here and in streams that follow, are at least 16 longer than needed, for whole vectors.
 struct Candidates : Batch {
     const Hierarchy* hierarchy = nullptr;
     float radius = 0;                        // px, of the search

@@ -167,6 +167,38 @@ INSTANTIATE_TEST_SUITE_P(All, Kernels,
                                           testing::Values(Kind_of::still_pinhole, Kind_of::defocused, Kind_of::moving, Kind_of::moving_in_depth),
                                           testing::Bool()));
 
+// Spreads are in steps. A step so coarse that two surfaces fall into one says nothing of them.
+TEST(Cluster, TwoSurfacesWithinOneCoarseStepAreToldApart) {
+    Hierarchy h;
+    h.lens = {-20, 4};
+    h.X = {0, 0};
+    h.Y = {0, 0};
+    h.W = {1, 5};  // slopes -16 and 0
+    Candidates c;
+    std::vector<std::uint32_t> pixel{0};
+    c.pixels = pixel;
+    c.hierarchy = &h;
+    c.offset = {0, 2};
+    c.dx = {-0.05f, 0.05f};
+    c.dy = {0, 0};
+    c.sample = {0, 1};
+    for (auto* places : {&c.dx, &c.dy}) places->resize(32);
+    c.sample.resize(32);
+    c.x = c.y = c.u = c.v = {0};
+    c.t = {0.5f};
+    c.spread = {0};
+    c.slope_step = 20;
+    for (Isa isa : instruction_sets()) {
+        const PinnedIsa pinned(isa);
+        ClusterScratch scratch;
+        Surfaces s;
+        s.pixels = pixel;
+        WEFT_PICK(cluster)(c, SameSurface{0.0884f, 0.1f}, scratch, s);
+        EXPECT_EQ(s.count_of[0], 2);
+        EXPECT_EQ(s.surface[1], 1);
+    }
+}
+
 // One location, two surfaces: candidates at these places in front, one far behind.
 struct TwoSurfaces {
     Hierarchy h;
@@ -184,7 +216,7 @@ struct TwoSurfaces {
         c.dy.push_back(0.9f);
         c.dx.resize(n + 32);
         c.dy.resize(n + 32);
-        s.surface.assign(n + 1, 0);
+        s.surface.assign(n + 32, 0);
         s.surface[n] = 1;
         s.count_of = {2};
         c.pixels = s.pixels = pixel;
