@@ -16,3 +16,4 @@ pkg_check_modules(OCIO REQUIRED IMPORTED_TARGET OpenColorIO)  # its CMake file i
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
 pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+find_package(embree 3.13 CONFIG REQUIRED)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace weft::light_field {
 namespace {
@@ -59,26 +58,6 @@ std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
 }
 
 }  // namespace
-
-std::array<float, 2> on_lens(float a, float b, const Lens& lens) {
-    if (lens.blades >= 3) {
-        // A blade's triangle, then a point in it: evenly from the middle outwards, evenly along the edge.
-        const float scaled = a * float(lens.blades);
-        const int blade = std::min(int(scaled), lens.blades - 1);
-        const float along = scaled - float(blade), out = std::sqrt(b);
-        const float step = 2 * std::numbers::pi_v<float> / float(lens.blades);
-        const float from = lens.rotation + float(blade) * step, to = from + step;
-        return {out * ((1 - along) * std::cos(from) + along * std::cos(to)),
-                out * ((1 - along) * std::sin(from) + along * std::sin(to))};
-    }
-    const float p = 2 * a - 1, r = 2 * b - 1;
-    if (p == 0 && r == 0) return {0, 0};
-    constexpr float quarter = std::numbers::pi_v<float> / 4;
-    const bool wide = std::abs(p) > std::abs(r);
-    const float radius = wide ? p : r;
-    const float angle = wide ? quarter * (r / p) : 2 * quarter - quarter * (p / r);
-    return {radius * std::cos(angle), radius * std::sin(angle)};
-}
 
 LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const Lens& lens) {
     const float a = unit(scrambled(sobol[0](i), std::uint32_t(mixed(seed))));

@@ -8,18 +8,17 @@
 #include <array>
 #include <cstdint>
 
-#include "samples/samples.h"
+#include "samples/lens_shape.h"
 
 namespace weft::light_field {
+
+using weft::on_lens;
 
 struct LensPoint {
     float u, v, t;
 };
 // `seed` scrambles the set; u, v lie in the unit disk, or in a polygon inside it where the lens has blades.
 LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const Lens& lens);
-
-// (a, b) in the unit square to the lens, areas kept (disk: Shirley and Chiu 1997).
-std::array<float, 2> on_lens(float a, float b, const Lens& lens);
 
 // Bits of dimensions 3 and 4 of Sobol's sequence.
 std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i);

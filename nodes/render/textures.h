@@ -9,6 +9,14 @@
 
 namespace weft {
 
+// A surface's texture coordinates in a map's own: offset + rotate(scale * uv, rotation).
+inline Vec2 place(const TextureMap& map, Vec2 uv) {
+    const Vec2 s{map.scale.x * uv.x, map.scale.y * uv.y};
+    if (map.rotation == 0) return {map.offset.x + s.x, map.offset.y + s.y};
+    const float c = std::cos(map.rotation), r = std::sin(map.rotation);
+    return {map.offset.x + c * s.x - r * s.y, map.offset.y + r * s.x + c * s.y};
+}
+
 class Textures {
   public:
     virtual ~Textures() = default;
@@ -24,6 +32,10 @@ class Textures {
     virtual void lookup(int file, TextureMap::Wrap wrap_u, TextureMap::Wrap wrap_v,
                         std::span<const Vec2> uv, std::span<const float> width,
                         std::span<const float> random, std::span<float> rgba) const = 0;
+
+    // Whether the file has an alpha channel. A material's alpha_map takes the first channel of a
+    // file of numbers (TextureFile::color false) that has none.
+    virtual bool has_alpha(int file) const = 0;
 };
 
 // Opens every file that the scene's materials use; throws Error naming the file that is missing or

@@ -115,27 +115,77 @@ SobolStart sobol_start(std::uint64_t seed, int x, int y, int spp) {
     return start;
 }
 
+const SobolTable& sobol_table() {
+    static const SobolTable table;
+    return table;
+}
+
+std::uint32_t sobol_point(int dimension, std::uint32_t n) {
+    const auto& bytes = sobol_table().of_byte[dimension];
+    return bytes[0][n & 255] ^ bytes[1][n >> 8 & 255] ^ bytes[2][n >> 16 & 255] ^ bytes[3][n >> 24];
+}
+
+std::uint64_t pixel_key(std::uint64_t seed, int x, int y) {
+    return mix(mix(seed) ^ mix((std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)) + 1));
+}
+
+Disk independent_pair(std::uint64_t key, std::uint32_t index, std::uint32_t dimension) {
+    const std::uint64_t bits = mix(key + (std::uint64_t(index) + 1) * 0x9e3779b97f4a7c15ull +
+                                   std::uint64_t(dimension) * 0xd1b54a32d192ed03ull);
+    return {unit_float(bits), unit_float(bits << 24)};
+}
+
 }  // namespace
+
+SampleSequence sample_sequence(Sampler sampler, std::uint64_t seed, int x, int y, int spp) {
+    SampleSequence s;
+    s.sampler = sampler;
+    if (sampler == Sampler::sobol) {
+        const SobolStart start = sobol_start(seed, x, y, spp);
+        s.start = start.index;
+        s.key = start.key;
+        return s;
+    }
+    const Grid grid = grid_of(std::uint32_t(std::max(spp, 1)));
+    s.columns = grid.columns;
+    s.rows = grid.rows;
+    s.key = pixel_key(seed, x, y);
+    return s;
+}
+
+Disk SampleSequence::operator()(std::uint32_t index, std::uint32_t pair) const {
+    const std::uint32_t dimension = 2 * pair;
+    if (sampler == Sampler::independent) return independent_pair(key, index, dimension);
+    if (sampler == Sampler::stratified)
+        return stratified_pair({columns, rows}, index, mix(key + std::uint64_t(dimension) + 1));
+    std::uint32_t n = start + index;
+    int from = int(dimension);
+    if (dimension + 1 >= std::uint32_t(sampler_dimensions)) {
+        // A bit of the index is flipped or not by those above it: pieces of 2^k stay pieces of 2^k.
+        n = owen_scramble(n, std::uint32_t(mix(key ^ ~std::uint64_t(pair))));
+        from = 0;
+    }
+    const std::uint64_t a = mix(key + std::uint64_t(dimension) + 1),
+                        b = mix(key + std::uint64_t(dimension) + 2);
+    return {unit_float(owen_scramble(sobol_point(from, n), std::uint32_t(a))),
+            unit_float(owen_scramble(sobol_point(from + 1, n), std::uint32_t(b)))};
+}
 
 void fill_samples(Sampler sampler, std::uint64_t seed, int x, int y, int spp, int first, int count,
                   int dimensions, float* out, size_t stride) {
-    const std::uint64_t pixel = std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x);
     if (sampler == Sampler::sobol) {
-        static const SobolTable table;
         const SobolStart start = sobol_start(seed, x, y, spp);
         for (int d = 0; d < dimensions; ++d) {
             const auto scramble = std::uint32_t(mix(start.key + std::uint64_t(d) + 1));
-            const auto& bytes = table.of_byte[d];
             for (int i = 0; i < count; ++i) {
                 const std::uint32_t n = start.index + std::uint32_t(first + i);
-                const std::uint32_t point = bytes[0][n & 255] ^ bytes[1][n >> 8 & 255] ^
-                                            bytes[2][n >> 16 & 255] ^ bytes[3][n >> 24];
+                const std::uint32_t point = sobol_point(d, n);
                 out[size_t(d) * stride + size_t(i)] = unit_float(owen_scramble(point, scramble));
             }
         }
         return;
     }
-    const std::uint64_t key = mix(mix(seed) ^ mix(pixel + 1));
+    const std::uint64_t key = pixel_key(seed, x, y);
     const Grid grid = grid_of(std::uint32_t(std::max(spp, 1)));
     for (int i = 0; i < count; ++i) {
         const auto index = std::uint32_t(first + i);
@@ -144,10 +194,7 @@ void fill_samples(Sampler sampler, std::uint64_t seed, int x, int y, int spp, in
             if (sampler == Sampler::stratified) {
                 pair = stratified_pair(grid, index, mix(key + std::uint64_t(d) + 1));
             } else {
-                const std::uint64_t bits =
-                    mix(key + (std::uint64_t(index) + 1) * 0x9e3779b97f4a7c15ull +
-                        std::uint64_t(d) * 0xd1b54a32d192ed03ull);
-                pair = {unit_float(bits), unit_float(bits << 24)};
+                pair = independent_pair(key, index, std::uint32_t(d));
             }
             out[size_t(d) * stride + size_t(i)] = pair.u;
             if (d + 1 < dimensions) out[size_t(d + 1) * stride + size_t(i)] = pair.v;
