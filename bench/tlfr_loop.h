@@ -73,8 +73,8 @@ struct Loop {
                 for (int x = x0; x < x1; ++x) {
                     if (o.sets > 1 && ((x + 2 * y) % o.sets + o.sets) % o.sets != set) continue;
                     const std::uint64_t key = pixel_scramble(1, x, y);
-                    at.x.push_back(float(x) + unit(pattern[0] ^ std::uint32_t(key)));
-                    at.y.push_back(float(y) + unit(pattern[1] ^ std::uint32_t(key >> 32)));
+                    at.x.push_back(float(x) + unit_float(pattern[0] ^ std::uint32_t(key)));
+                    at.y.push_back(float(y) + unit_float(pattern[1] ^ std::uint32_t(key >> 32)));
                     at.own_pixels.push_back(std::uint32_t(y * h.width + x));
                 }
         }

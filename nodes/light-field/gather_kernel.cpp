@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light-field/group_test.h"
 #include "light-field/kernels.h"
 #include "light-field/simd.h"
 
@@ -139,22 +140,14 @@ void gather_each(const Hierarchy& h, Block& block, const Locations& at, float ra
         const float u = at.u_of(l), v = at.v_of(l), d = at.t_of(l) - 0.5f;
         const VF time = hn::Set(f, d), lens_x = hn::Set(f, u * h.lens.aspect), lens_y = hn::Set(f, v);
         const VF at_x = hn::Set(f, at.x[l]), at_y = hn::Set(f, at.y[l]);
-        const VF left = hn::Set(f, at.x[l] - radius), right = hn::Set(f, at.x[l] + radius);
-        const VF top = hn::Set(f, at.y[l] - radius), bottom = hn::Set(f, at.y[l] + radius);
+        const GroupTest test(h, u, v, d, at.x[l] - radius, at.x[l] + radius, at.y[l] - radius, at.y[l] + radius);
         VF low[3] = {huge, huge, huge}, high[3] = {tiny, tiny, tiny};
         const auto note = [&](int part, VF value, auto in) {
             low[part] = hn::Min(low[part], hn::IfThenElse(in, value, huge));
             high[part] = hn::Max(high[part], hn::IfThenElse(in, value, tiny));
         };
         for (size_t i = 0; i < block.groups; i += lanes) {
-            const VF slope = hn::LoadU(f, &block.slope[i]);
-            const VF x = hn::MulAdd(slope, lens_x, hn::Mul(hn::LoadU(f, &block.velocity_x[i]), time));
-            const VF y = hn::MulAdd(slope, lens_y, hn::Mul(hn::LoadU(f, &block.velocity_y[i]), time));
-            const auto in_x = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.x_low[i]), x), right),
-                                      hn::Ge(hn::Add(hn::LoadU(f, &block.x_high[i]), x), left));
-            const auto in_y = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.y_low[i]), y), bottom),
-                                      hn::Ge(hn::Add(hn::LoadU(f, &block.y_high[i]), y), top));
-            for (unsigned hits = bits_of(f, hn::And(in_x, in_y)); hits; hits &= hits - 1) {
+            for (unsigned hits = bits_of(f, test(block, i)); hits; hits &= hits - 1) {
                 const size_t begin = size_t(block.group[i + size_t(__builtin_ctz(hits))]) * Hierarchy::group_size;
                 const Ends end = room(out, k, Hierarchy::group_size + lanes);
                 for (size_t j = begin; j < begin + Hierarchy::group_size; j += lanes) {

@@ -103,8 +103,8 @@ struct OutputLocations {
         for (int y = tile.y0; y < tile.y1 && i < size_t(per_pixel); ++y)
             for (int x = tile.x0; x < tile.x1; ++x, ++scramble) {
                 if (sets > 1 && (x + 3 * y) % sets != set) continue;
-                at.x[n] = float(x) + (spread ? light_field::unit(pattern[0] ^ std::uint32_t(*scramble)) : 0.5f);
-                at.y[n] = float(y) + (spread ? light_field::unit(pattern[1] ^ std::uint32_t(*scramble >> 32)) : 0.5f);
+                at.x[n] = float(x) + (spread ? unit_float(pattern[0] ^ std::uint32_t(*scramble)) : 0.5f);
+                at.y[n] = float(y) + (spread ? unit_float(pattern[1] ^ std::uint32_t(*scramble >> 32)) : 0.5f);
                 at.own_pixels[n++] = std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(x);
             }
         at.pixels = std::span(at.own_pixels).first(n);

@@ -6,13 +6,6 @@
 namespace weft::light_field {
 namespace {
 
-std::uint64_t mixed(std::uint64_t x) {  // the finalizer of SplitMix (Steele, Lea and Flood 2014)
-    x += 0x9e3779b97f4a7c15ull;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebull;
-    return x ^ x >> 31;
-}
-
 // Columns of a generator matrix from a primitive polynomial and its first directions.
 struct Directions {
     std::array<std::uint32_t, 32> column{};
@@ -47,10 +40,10 @@ std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
     std::uint32_t out = 0, above = 1;
     for (int bit = 31; bit >= 0; --bit) {
         const std::uint32_t here = bits >> bit & 1;
-        out |= (here ^ (std::uint32_t(mixed(std::uint64_t(above) << 32 | seed)) & 1)) << bit;
+        out |= (here ^ (std::uint32_t(mix(std::uint64_t(above) << 32 | seed)) & 1)) << bit;
         above = above << 1 | here;
         if (bit < 8) {  // finer than any float in [0, 1): the rest at random
-            out |= std::uint32_t(mixed(std::uint64_t(above) << 32 | seed)) & 0xff;
+            out |= std::uint32_t(mix(std::uint64_t(above) << 32 | seed)) & 0xff;
             break;
         }
     }
@@ -60,9 +53,9 @@ std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
 }  // namespace
 
 LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const Lens& lens) {
-    const float a = unit(scrambled(sobol[0](i), std::uint32_t(mixed(seed))));
-    const float b = unit(scrambled(sobol[1](i), std::uint32_t(mixed(seed + 1))));
-    const float shift = unit(std::uint32_t(mixed(seed + 2)));
+    const float a = unit_float(scrambled(sobol[0](i), std::uint32_t(mix(seed))));
+    const float b = unit_float(scrambled(sobol[1](i), std::uint32_t(mix(seed + 1))));
+    const float shift = unit_float(std::uint32_t(mix(seed + 2)));
     const auto uv = on_lens(a, b, lens);
     return {uv[0], uv[1], std::min((float(i) + shift) / float(n), 0x1.fffffep-1f)};
 }
@@ -70,7 +63,7 @@ LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const
 std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i) { return {sobol[2](i), sobol[3](i)}; }
 
 std::uint64_t pixel_scramble(std::uint64_t seed, int x, int y) {
-    return mixed(mixed(seed ^ 0x5bf0'3635'd1c2'a96eull) ^ (std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)));
+    return mix(mix(seed ^ 0x5bf0'3635'd1c2'a96eull) ^ (std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)));
 }
 
 }  // namespace weft::light_field

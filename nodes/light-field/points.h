@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "samples/lens_shape.h"
+#include "samples/random.h"
 
 namespace weft::light_field {
 
@@ -23,7 +24,5 @@ LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const
 // Bits of dimensions 3 and 4 of Sobol's sequence.
 std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i);
 std::uint64_t pixel_scramble(std::uint64_t seed, int x, int y);
-
-inline float unit(std::uint32_t bits) { return float(bits >> 8) * 0x1p-24f; }
 
 }  // namespace weft::light_field

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light-field/group_test.h"
 #include "light-field/kernels.h"
 #include "light-field/simd.h"
 
@@ -11,18 +12,10 @@ namespace {
 // The groups whose bounds at (u, v, t) touch the grid.
 size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, float x0, float x1, float y0,
                    float y1) {
-    const VF lens_x = hn::Set(f, u * h.lens.aspect), lens_y = hn::Set(f, v), time = hn::Set(f, d);
-    const VF left = hn::Set(f, x0), right = hn::Set(f, x1), top = hn::Set(f, y0), bottom = hn::Set(f, y1);
+    const GroupTest test(h, u, v, d, x0, x1, y0, y1);
     size_t found = 0;
     for (size_t i = 0; i < block.groups; i += lanes) {
-        const VF slope = hn::LoadU(f, &block.slope[i]);
-        const VF x = hn::MulAdd(slope, lens_x, hn::Mul(hn::LoadU(f, &block.velocity_x[i]), time));
-        const VF y = hn::MulAdd(slope, lens_y, hn::Mul(hn::LoadU(f, &block.velocity_y[i]), time));
-        const auto in_x = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.x_low[i]), x), right),
-                                  hn::Ge(hn::Add(hn::LoadU(f, &block.x_high[i]), x), left));
-        const auto in_y = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.y_low[i]), y), bottom),
-                                  hn::Ge(hn::Add(hn::LoadU(f, &block.y_high[i]), y), top));
-        const Pack pack(hn::And(in_x, in_y));
+        const Pack pack(test(block, i));
         pack.store(hn::LoadU(un, &block.group[i]), &block.seen[found]);
         found += pack.count;
     }

@@ -45,7 +45,7 @@ struct RandomLocations {
         for (int x = tile.x0; x < tile.x1; ++x)
             for (int i = first; i < std::min(first + at_once, per_pixel); ++i) {
                 std::uint64_t key = mix(light_field::pixel_scramble(seed, x, y) + std::uint64_t(i));
-                const auto number = [&] { return light_field::unit(std::uint32_t((key = mix(key)) >> 32)); };
+                const auto number = [&] { return unit_float(std::uint32_t((key = mix(key)) >> 32)); };
                 at.x.push_back(float(x) + number());
                 at.y.push_back(float(y) + number());
                 const float a = number(), b = number();

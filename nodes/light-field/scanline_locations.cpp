@@ -57,7 +57,7 @@ struct ScanlineLocations {
         for (int x = tile.x0; x < tile.x1; ++x) {
             const auto scramble = std::uint32_t(light_field::pixel_scramble(seed, x, row));
             for (int i = 0; i < per_pixel; ++i) {
-                at.x.push_back(float(x) + light_field::unit(light_field::pixel_pattern(std::uint32_t(i))[0] ^ scramble));
+                at.x.push_back(float(x) + unit_float(light_field::pixel_pattern(std::uint32_t(i))[0] ^ scramble));
                 at.y.push_back(float(line) + 0.5f);
                 at.own_pixels.push_back(std::uint32_t(row) * std::uint32_t(h.width) + std::uint32_t(x));
             }

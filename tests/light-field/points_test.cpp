@@ -50,7 +50,7 @@ TEST(Points, OfAPixelAreStratifiedHoweverScrambled) {
         std::array<int, 64> cells{};
         for (std::uint32_t i = 0; i < 64; ++i) {
             const auto pattern = pixel_pattern(i);
-            const float x = unit(pattern[0] ^ std::uint32_t(key)), y = unit(pattern[1] ^ std::uint32_t(key >> 32));
+            const float x = unit_float(pattern[0] ^ std::uint32_t(key)), y = unit_float(pattern[1] ^ std::uint32_t(key >> 32));
             ASSERT_GE(x, 0);
             ASSERT_LT(x, 1);
             ++cells[size_t(x * 8) + 8 * size_t(y * 8)];
