@@ -1,5 +1,4 @@
 // The module weft_oiio: pictures through OpenImageIO. One thread: the runtime's loops are ours.
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -7,11 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "graph/error.h"
 #include "image/color_tags.h"
+#include "image/oiio_open.h"
 #include "image/other_formats.h"
 
 namespace weft {
@@ -25,43 +24,6 @@ std::string to_oiio(const Image& image) {
     if (tag && tag->srgb) return "sRGB";
     if (tag && tag->transfer == 1) return "Rec709";
     return {};
-}
-
-std::string from_oiio(std::string_view space, bool whole_numbers) {
-    if (space == "sRGB") return "sRGB - Texture";
-    if (space == "Linear" || space == "linear" || space == "scene_linear") return "lin_rec709";
-    if (space == "Rec709") return "Rec.709";
-    if (!space.empty()) return std::string(space);
-    return whole_numbers ? "sRGB - Texture" : "lin_rec709";
-}
-
-// OpenImageIO's own words on one line; it sometimes has none.
-std::string told(std::string text) {
-    while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
-    for (char& letter : text)
-        if (letter == '\n') letter = ' ';
-    return text.empty() ? "the file is damaged or ends too early" : text;
-}
-
-struct Opened {
-    std::unique_ptr<OIIO::ImageInput> input;
-    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
-    ~Opened() { input.reset(); }  // before the memory it reads
-};
-
-void open(std::string_view bytes, const std::string& file, Opened& opened) {
-    // From memory where the format can, else from the file itself if that is what we were given.
-    opened.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<char*>(bytes.data()),
-                                                                    bytes.size());
-    opened.input = OIIO::ImageInput::open(file, nullptr, opened.memory.get());
-    if (opened.input) return;
-    const std::string reason = OIIO::geterror();
-    opened.memory.reset();
-    if (std::filesystem::exists(file)) opened.input = OIIO::ImageInput::open(file);
-    if (opened.input) return;
-    const std::string second = OIIO::geterror();
-    throw Error(fmt::format("{}: not a picture that can be read: {}", file,
-                            told(second.empty() ? reason : second)));
 }
 
 std::vector<std::string> names_of(const OIIO::ImageSpec& spec) {

@@ -45,29 +45,38 @@ const std::vector<std::string>& other_extensions() {
     return names;
 }
 
-const OtherFormats& other_formats(const std::string& what) {
+void* oiio_entry(const std::string& what, const char* name) {
     static std::mutex lock;
-    static const OtherFormats* loaded = nullptr;
+    static void* library = nullptr;
+    static std::string path;
     const std::lock_guard guard(lock);
-    if (loaded) return *loaded;
-    const std::vector<std::string> folders = places();
-    for (const std::string& folder : folders) {
-        const std::string path = (std::filesystem::path(folder) / module_name).string();
-        if (!std::filesystem::exists(path)) continue;
-        void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library) {
+        const std::vector<std::string> folders = places();
+        for (const std::string& folder : folders) {
+            path = (std::filesystem::path(folder) / module_name).string();
+            if (!std::filesystem::exists(path)) continue;
+            library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+            if (!library)
+                throw Error(
+                    fmt::format("{}: the module {} cannot be loaded: {}", what, path, dlerror()));
+            break;
+        }
         if (!library)
             throw Error(
-                fmt::format("{}: the module {} cannot be loaded: {}", what, path, dlerror()));
-        const auto entry =
-            reinterpret_cast<const OtherFormats* (*)()>(dlsym(library, "weft_other_formats"));
-        if (!entry) throw Error(fmt::format("{}: {} is not a module of this program", what, path));
-        loaded = entry();
-        return *loaded;
+                fmt::format("{}: textures, and formats other than EXR, PNG and PFM, need "
+                            "the module {}, which is not in {}; set WEFT_MODULES to its "
+                            "folder",
+                            what, module_name, fmt::join(folders, ", ")));
     }
-    throw Error(fmt::format(
-        "{}: formats other than EXR, PNG and PFM need the module {}, which is not in {}; "
-        "set WEFT_MODULES to its folder",
-        what, module_name, fmt::join(folders, ", ")));
+    void* entry = dlsym(library, name);
+    if (!entry) throw Error(fmt::format("{}: {} is not a module of this program", what, path));
+    return entry;
+}
+
+const OtherFormats& other_formats(const std::string& what) {
+    static const OtherFormats* const formats =
+        reinterpret_cast<const OtherFormats* (*)()>(oiio_entry(what, "weft_other_formats"))();
+    return *formats;
 }
 
 }  // namespace weft

@@ -23,6 +23,8 @@ class OtherFormats {
 // folder weft/ there. Error naming these places where it is not found; `what` is the picture that
 // needs it.
 const OtherFormats& other_formats(const std::string& what);
+// Another entry of the module, by its name.
+void* oiio_entry(const std::string& what, const char* name);
 
 // What the module writes, known without loading it.
 const std::vector<std::string>& other_extensions();
