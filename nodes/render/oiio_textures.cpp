@@ -185,12 +185,12 @@ class CachedTextures final : public Textures {
             if (file) all.pyramids.erase(file->name);
     }
 
+    bool has_alpha(int index) const override { return used(index).has_alpha; }
+
     void lookup(int index, Wrap wrap_u, Wrap wrap_v, std::span<const Vec2> uv,
                 std::span<const float> width, std::span<const float> random,
                 std::span<float> rgba) const override {
-        File* file =
-            index >= 0 && size_t(index) < files_.size() ? files_[size_t(index)].get() : nullptr;
-        if (!file) throw Error(fmt::format("texture {} is used by no material", index));
+        File* file = &used(index);
         std::call_once(file->once, [&] { load(*file); });
         const TexturePyramid& pyramid = *file->pyramid;
         const float across = float(std::max(pyramid.width(0), pyramid.height(0)));
@@ -223,17 +223,30 @@ class CachedTextures final : public Textures {
   private:
     struct File {
         TextureFile source;
+        bool has_alpha = false;
         std::once_flag once;
         std::string name;
         std::unique_ptr<TexturePyramid> pyramid;
         OIIO::ImageCache::ImageHandle* handle = nullptr;
     };
 
+    File& used(int index) const {
+        if (index < 0 || size_t(index) >= files_.size() || !files_[size_t(index)])
+            throw Error(fmt::format("texture {} is used by no material of this scene", index));
+        return *files_[size_t(index)];
+    }
+
     // Its header, so that a missing or foreign file is told before anything is rendered.
-    static void check(const File& file) {
+    static void check(File& file) {
         Opened opened;
         std::string held;
-        header(file.source, held, opened);
+        file.has_alpha = alpha_channel(header(file.source, held, opened)) >= 0;
+    }
+
+    static int alpha_channel(const OIIO::ImageSpec& spec) {
+        if (spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels)
+            return spec.alpha_channel;
+        return spec.nchannels == 2 ? 1 : spec.nchannels == 4 ? 3 : -1;
     }
 
     static OIIO::ImageSpec header(const TextureFile& source, std::string& held, Opened& opened) {
@@ -255,11 +268,7 @@ class CachedTextures final : public Textures {
         std::string held;
         const OIIO::ImageSpec spec = header(source, held, opened);
         const int channels = spec.nchannels, width = spec.width;
-        const int alpha = spec.alpha_channel >= 0 && spec.alpha_channel < channels
-                              ? spec.alpha_channel
-                          : channels == 2 ? 1
-                          : channels == 4 ? 3
-                                          : -1;
+        const int alpha = alpha_channel(spec);
         const bool colored = channels >= 3, whole = spec.format.basetype < OIIO::TypeDesc::HALF;
         const bool divide =
             alpha >= 0 && !whole && !spec.get_int_attribute("oiio:UnassociatedAlpha");

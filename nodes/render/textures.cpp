@@ -21,6 +21,7 @@ class NoTextures final : public Textures {
                 std::span<const float>, std::span<const float>, std::span<float>) const override {
         throw Error(fmt::format("texture {} is used by no material of this scene", file));
     }
+    bool has_alpha(int) const override { return false; }
 };
 
 std::vector<bool> textures_used(const Scene& scene) {

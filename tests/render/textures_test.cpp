@@ -138,6 +138,8 @@ TEST(Textures, AlphaIsNotPremultiplied) {
     const float values[] = {0.5f, 0.25f, 0, 0.5f, 0.3f, 0.3f, 0.3f, 1};
     std::copy(values, values + 8, image.pixels().begin());
     const auto textures = open_textures(scene_with({{"alpha.png", png(image), false}}));
+    EXPECT_TRUE(textures->has_alpha(0));
+    EXPECT_FALSE(open_textures(scene_with({{"ramp.png", png(ramp(2, 2))}}))->has_alpha(0));
     const auto c = one(*textures, 0, {0.25f, 0.5f});
     EXPECT_NEAR(c[0], 1, 1e-3);
     EXPECT_NEAR(c[1], 0.5, 1e-3);
