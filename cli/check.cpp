@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/terminal.h"
+#include "runtime/keys.h"
 #include "runtime/plan.h"
 #include "runtime/registry.h"
 
@@ -57,7 +58,8 @@ int plan(const PlanCommand& options) {
     plan_options.threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
     if (!options.memory.empty()) plan_options.memory_limit = parse_bytes(options.memory);
     const Plan made = make_plan(loaded.graph, plan_options);
-    print(options.json ? to_json(made).dump(true) + "\n" : to_text(made));
+    const Keys keys = make_keys(made, files_read(made));
+    print(options.json ? to_json(made, &keys).dump(true) + "\n" : to_text(made, &keys));
     return done;
 }
 

@@ -25,8 +25,21 @@ struct RunCommand : GraphOptions {
     std::string isa;
     std::string executor = "tbb";
     bool quiet = false;
+    std::string shard;                // "2/5"; "": all of it
+    std::vector<std::string> divide;  // nodes
+    std::string part, expect;         // where the shard goes; a farm's job to be held to
 };
 int run(const RunCommand& options);
+
+struct MergeCommand {
+    std::string out;
+    std::vector<std::string> parts;
+    std::vector<std::string> set;
+    int threads = 0;
+    std::string memory, report, trace;
+    bool quiet = false;
+};
+int merge(const MergeCommand& options);
 
 struct CheckCommand {
     std::vector<std::string> graphs;

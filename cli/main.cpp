@@ -65,7 +65,23 @@ int dispatch(int argc, char** argv) {
     run_command->add_option("--executor", run.executor, "tbb, threads or serial")
         ->check(CLI::IsMember({"tbb", "threads", "serial"}));
     run_command->add_flag("--quiet", run.quiet, "no progress");
+    run_command->add_option("--shard", run.shard, "do part I of N, as in 2/5, into a file for 'weft merge'");
+    run_command->add_option("--part", run.part, "the file for --shard; default: beside the graph's 'out'");
+    run_command->add_option("--divide", run.divide, "node whose work --shard divides; default: the last that can be")->allow_extra_args(false);
+    run_command->add_option("--expect", run.expect, "refuse if files, program or instruction set are not those of this job.json of 'weft farm'");
     on(run_command, [&] { return cli::run(run); });
+
+    cli::MergeCommand merge;
+    CLI::App* merge_command = app.add_subcommand("merge", "join what the shards of a run made, and do the rest of it");
+    merge_command->add_option("out", merge.out, "file to write: the graph's 'out'")->required();
+    merge_command->add_option("parts", merge.parts, "files that 'weft run --shard' wrote, all of them")->required();
+    merge_command->add_option("--set", merge.set, "other names of files to write (k=v)")->allow_extra_args(false);
+    merge_command->add_option("--threads", merge.threads, "threads to use; default: one a core")->check(CLI::Range(1, 4096));
+    merge_command->add_option("--memory", merge.memory, "refuse a plan that needs more, as in 8G");
+    merge_command->add_option("--report", merge.report, "write seconds of every node (JSON)");
+    merge_command->add_option("--trace", merge.trace, "write a trace for Perfetto or chrome://tracing");
+    merge_command->add_flag("--quiet", merge.quiet, "no progress");
+    on(merge_command, [&] { return cli::merge(merge); });
 
     cli::CheckCommand check;
     CLI::App* check_command = app.add_subcommand("check", "all findings about graph documents");

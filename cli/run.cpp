@@ -1,121 +1,107 @@
-// run: checks, plans and runs a graph.
+// run: checks, plans and runs a graph, or a shard of it.
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "cli/commands.h"
+#include "cli/execute.h"
 #include "cli/terminal.h"
-#include "image/picture_file.h"
-#include "runtime/atomic_file.h"
 #include "runtime/isa.h"
-#include "runtime/provenance.h"
-#include "runtime/registry.h"
-#include "runtime/run.h"
+#include "runtime/keys.h"
+#include "runtime/shard.h"
 
 namespace weft::cli {
 namespace {
 
-std::unique_ptr<Executor> executor_named(const std::string& name, int threads) {
-    if (name == "threads") return make_thread_executor(threads);
-    if (name == "serial") return make_serial_executor();
-    return make_tbb_executor(threads);
-}
-
-void print_errors(const RunResult& result) {
-    for (const NodeError& error : result.errors) {
-        std::string message = fmt::format("'{}': {}", error.node, error.message);
-        if (!error.skipped.empty())
-            message += fmt::format("; skipped because of it: {}", fmt::join(error.skipped, ", "));
-        print_findings({{Diagnostic::Level::error, message, error.place}});
-    }
-}
-
-bool is_picture(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    char head[16] = {};
-    file.read(head, sizeof head);
-    return is_exr_or_png({head, size_t(file.gcount())});
-}
-
-// A file that the picture was made from and that is not what it was: the run goes on, with a word.
-void compare_inputs(const std::string& picture, const std::string& recorded) {
-    const Json inputs = parse_json_or_throw(recorded, picture + ": weft:inputs");
+// A farm's worker does the job that was planned, or nothing: other files, another program or another
+// instruction set would be found by the merge, after all the work.
+void expect_job(const std::string& file, const PartHeader& header, const FilesRead& files) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw Error(fmt::format("{}: cannot open it to read", file));
+    std::stringstream text;
+    text << in.rdbuf();
+    const Json job = parse_json_or_throw(text.str(), file);
+    const auto expected = [&](const char* name) {
+        const Json* value = job.find(name);
+        return value ? value->text : std::string();
+    };
+    if (expected("weft") != header.provenance.version)
+        throw Error(fmt::format("planned with weft {}, this is {}", expected("weft"), header.provenance.version));
+    if (expected("isa") != header.isa)
+        throw Error(fmt::format("planned for instruction set {}, this runs with {}; use --isa {}", expected("isa"), header.isa, expected("isa")));
+    if (expected("key") == header.key) return;
+    const Json inputs = parse_json_or_throw(expected("inputs"), file + ": inputs");
     for (const Json& input : inputs.items) {
         const Json *path = input.find("path"), *hash = input.find("xxh3");
-        if (!path || !hash) continue;
-        std::error_code error;
-        if (!std::filesystem::exists(path->text, error)) continue;  // its reader will say so
-        if (content_hash(path->text) != hash->text)
-            complain(fmt::format("warning: {}: has changed since {} was made", path->text, picture));
+        const auto found = path ? files.find(path->text) : files.end();
+        if (found == files.end()) continue;
+        if (found->second.hash.empty() && hash) throw Error(fmt::format("{}: is not here; it was when the job was planned", path->text));
+        if (hash && found->second.hash != hash->text)
+            throw Error(fmt::format("{}: is another file than the job was planned with (content {}, planned {}); put the same file here, "
+                                    "or plan again",
+                                    path->text, found->second.hash, hash->text));
     }
+    throw Error(fmt::format("the key here is {}, the job was planned with {}: other files or another graph; plan again", header.key,
+                            expected("key")));
 }
 
-// The graph a picture carries, as if it were a document.
-Loaded load_from_picture(const std::string& picture, const LoadOptions& options) {
-    const auto attributes = picture_info(picture).attributes;
-    const auto graph = attributes.find("weft:graph");
-    if (graph == attributes.end())
-        throw Error(fmt::format("{}: carries no graph; only pictures that Weft wrote can be run again", picture));
-    if (const auto inputs = attributes.find("weft:inputs"); inputs != attributes.end()) compare_inputs(picture, inputs->second);
-    if (const auto version = attributes.find("weft:version"); version != attributes.end() && version->second != program_version)
-        complain(fmt::format("warning: {}: made by weft {}, this is {}", picture, version->second, program_version));
-    return load_graph_text(graph->second, picture, Registry::instance(), options);
+int run_shard(const RunCommand& options, const Plan& plan, Executor& executor) {
+    const Shard shard = parse_shard(options.shard);
+    const FilesRead files = files_read(plan);
+    PartHeader header = shard_header(plan, files, shard, options.tile);
+    if (!options.expect.empty()) expect_job(options.expect, header, files);
+    const std::string path = options.part.empty() ? part_name(*plan.graph, shard) : options.part;
+    PartWriter part(path);
+    RunOptions run_options;
+    run_options.tile = options.tile;
+    run_options.provenance = header.provenance;
+    run_options.shard = shard;
+    run_options.part = &part;
+    RunResult result;
+    const Status status = execute(plan, executor, run_options, {options.quiet, options.report, options.trace}, result);
+    if (status != done) return status;
+    header.tasks = result.divided;
+    part.finish(header);
+    if (!options.quiet) complain(fmt::format("shard {} is in {}; 'weft merge OUT PARTS...' joins all {}", shard.text(), path, shard.count));
+    return done;
 }
 
 }  // namespace
 
 int run(const RunCommand& options) {
-    LoadOptions load;
-    load.overrides = options.overrides;
-    load.for_run = true;
-    const Loaded loaded = is_picture(options.graph) ? load_from_picture(options.graph, load)
-                                                    : load_graph(options.graph, Registry::instance(), load);
+    const Loaded loaded = load_for_run(options.graph, options.overrides);
     print_findings(loaded.findings);
     if (!loaded.ok()) return misused;
+    if (options.shard.empty())
+        for (const auto& [option, value] : {std::pair("--part", options.part), std::pair("--expect", options.expect)})
+            if (!value.empty()) throw UsageError(fmt::format("{} is for a shard; use it with --shard I/N", option));
+    if (options.shard.empty() && !options.divide.empty()) throw UsageError("--divide is for a shard; use it with --shard I/N");
 
-    if (!options.isa.empty()) {
-        const auto isa = isa_named(options.isa);
-        if (!isa) throw UsageError(fmt::format("--isa {}: expected v2, v3 or v4", options.isa));
-        pin_isa(*isa);
-    }
+    pin_isa_named(options.isa);
     const std::unique_ptr<Executor> executor = executor_named(options.executor, options.threads);
     PlanOptions plan_options;
     plan_options.taps = options.taps;
     plan_options.threads = executor->threads();
     if (!options.memory.empty()) plan_options.memory_limit = parse_bytes(options.memory);
+    if (!options.shard.empty()) {
+        parse_shard(options.shard);
+        plan_options.work = Work::shard;
+        plan_options.divide = options.divide;
+    }
     const Plan plan = make_plan(loaded.graph, plan_options);
     if (plan.tasks.empty()) {
         complain(fmt::format("{}: nothing to do: no node of this graph writes anything; add a 'write-image' or use --tap",
                              options.graph));
         return misused;
     }
+    if (!options.shard.empty()) return run_shard(options, plan, *executor);
 
     RunOptions run_options;
     run_options.tile = options.tile;
-    run_options.provenance = make_provenance(loaded.graph);
-    run_options.stop = &interruption();
-    catch_interruptions();
-
-    Monitor monitor;
-    monitor.tracing = !options.trace.empty();
+    run_options.provenance = make_provenance(plan);
     RunResult result;
-    {
-        monitor.begin(plan);
-        ProgressDisplay display(monitor, options.quiet);
-        monitor.warning = [&](const std::string& node, const std::string& message) {
-            display.note(fmt::format("warning: '{}': {}", node, message));
-        };
-        result = run_plan(plan, *executor, monitor, run_options);
-    }
-    print_errors(result);
-    if (!options.report.empty()) write_file(options.report, report_json(result, plan, executor->threads()));
-    if (!options.trace.empty()) write_file(options.trace, monitor.trace());
-    if (result.cancelled) {
-        complain("interrupted; no partial file was left");
-        return interrupted;
-    }
-    return result.errors.empty() ? done : failed;
+    return execute(plan, *executor, run_options, {options.quiet, options.report, options.trace}, result);
 }
 
 }  // namespace weft::cli

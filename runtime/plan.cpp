@@ -111,13 +111,15 @@ void pass_on_size(const NodeDecl& type, const Shapes& in, std::vector<Shape>& ou
     }
 }
 
-void estimate(Plan& plan, int threads) {
+void estimate(Plan& plan, int threads, const std::map<std::string, Shape>& shapes) {
     const Graph& graph = *plan.graph;
     plan.shapes.resize(graph.nodes.size());
     std::vector<double> scratch(graph.nodes.size(), 0);
     for (size_t n = 0; n < graph.nodes.size(); ++n) {
         const GraphNode& node = graph.nodes[n];
         plan.shapes[n].resize(node.type->outputs.size());
+        for (size_t p = 0; p < plan.shapes[n].size(); ++p)
+            if (const auto known = shapes.find(plan.name_of({int(n), int(p)})); known != shapes.end()) plan.shapes[n][p] = known->second;
         if (!plan.instances[n]) continue;
         Shapes in;  // of unconnected inputs: nothing
         for (size_t i = 0; i < node.inputs.size(); ++i)
@@ -152,6 +154,7 @@ void link_tasks(Plan& plan) {
     const Graph& graph = *plan.graph;
     const std::vector<int> task_of = task_of_nodes(graph, plan.tasks);
     for (Task& task : plan.tasks) {
+        if (task.divided && plan.work == Work::merge) continue;  // comes from files
         std::set<size_t> needs;
         for (int n : task.nodes)
             for (const auto& links : graph.nodes[size_t(n)].inputs)
@@ -165,11 +168,13 @@ void link_tasks(Plan& plan) {
 void find_lifetimes(Plan& plan) {
     const Graph& graph = *plan.graph;
     std::map<std::pair<int, int>, std::set<int>> readers;
-    for (size_t t = 0; t < plan.tasks.size(); ++t)
+    for (size_t t = 0; t < plan.tasks.size(); ++t) {
+        if (plan.tasks[t].divided && plan.work == Work::merge) continue;
         for (int n : plan.tasks[t].nodes)
             for (const auto& links : graph.nodes[size_t(n)].inputs)
                 for (const Link& link : links)
                     if (!output_of(graph, link).stream) readers[{link.node, link.port}].insert(int(t));
+    }
     const std::vector<int> task_of = task_of_nodes(graph, plan.tasks);
     for (const auto& [key, tasks] : readers) {
         const Link link{key.first, key.second};
@@ -185,7 +190,40 @@ void find_lifetimes(Plan& plan) {
     }
 }
 
+// Leaves what a shard needs (the divided tasks and all before them), or the merge (all that is written, back to
+// the divided tasks).
+void keep_only(Plan& plan, const std::vector<size_t>& divided) {
+    std::vector<bool> keep(plan.tasks.size(), false);
+    for (const size_t t : divided) {
+        plan.tasks[t].divided = true;
+        keep[t] = plan.work == Work::shard;
+    }
+    if (plan.work == Work::merge)
+        for (size_t t = 0; t < plan.tasks.size(); ++t)
+            for (int n : plan.tasks[t].nodes) {
+                keep[t] = keep[t] || plan.graph->nodes[size_t(n)].type->writes;
+                for (const auto& [name, link] : plan.graph->outputs) keep[t] = keep[t] || link.node == n;
+            }
+    for (size_t t = plan.tasks.size(); t-- > 0;)  // every task stands after those it needs
+        if (keep[t] && !(plan.work == Work::merge && plan.tasks[t].divided))
+            for (const size_t need : plan.tasks[t].needs) keep[need] = true;
+    std::vector<Task> kept;
+    for (size_t t = 0; t < plan.tasks.size(); ++t) {
+        if (keep[t]) kept.push_back(std::move(plan.tasks[t]));
+        else if (plan.work == Work::merge)  // not looked at: what it reads may not be here
+            for (int n : plan.tasks[t].nodes) plan.instances[size_t(n)].reset();
+    }
+    plan.tasks = std::move(kept);
+    for (Task& task : plan.tasks) task.needs.clear();
+    link_tasks(plan);
+}
+
 }  // namespace
+
+std::string Plan::name_of(Link link) const {
+    const GraphNode& node = graph->nodes[size_t(link.node)];
+    return node.name + "." + node.type->outputs[size_t(link.port)].name;
+}
 
 int Plan::readers_of(Link link) const { return readers[size_t(link.node)][size_t(link.port)]; }
 
@@ -217,8 +255,14 @@ Plan make_plan(const Graph& graph, const PlanOptions& options) {
     std::stable_sort(plan.tasks.begin(), plan.tasks.end(),
                      [](const Task& a, const Task& b) { return a.nodes.back() < b.nodes.back(); });
     link_tasks(plan);
+    if (options.work != Work::whole) {
+        if (!plan.taps.empty()) throw UsageError("--tap looks into a whole run; it cannot be had of a shard or a merge");
+        const std::vector<size_t> divided = divided_tasks(plan, options.divide);
+        plan.work = options.work;
+        keep_only(plan, divided);
+    }
     find_lifetimes(plan);
-    estimate(plan, options.threads);
+    estimate(plan, options.threads, options.shapes);
 
     if (options.memory_limit > 0 && plan.peak_bytes > options.memory_limit) {
         const Task& task = plan.tasks[plan.peak_task];

@@ -3,6 +3,7 @@
 // each value lives, and the bytes that nodes say they will need.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,8 +21,13 @@ struct Tap {
     int x0 = 0, y0 = 0, x1 = -1, y1 = -1;    // streams: pixels [x0, x1) x [y0, y1)
 };
 
+// Which part of a graph's work a plan is for. A shard does its tiles and pieces of the divided tasks, and all
+// that comes before; the merge takes these in and does all that comes after.
+enum class Work { whole, shard, merge };
+
 struct Task {
     bool segment = false;
+    bool divided = false;         // in a plan for a shard or for the merge
     std::vector<int> nodes;       // of the graph: one, or a segment's source, stages, sinks in order
     std::vector<size_t> needs;    // tasks to be done before
     std::vector<Link> makes;      // values it makes that somebody reads
@@ -36,6 +42,9 @@ struct PlanOptions {
     std::vector<std::string> taps;   // "node.port=file", "node.port@x,y=file", "node.port@x0,y0,x1,y1=file"
     int threads = 1;                 // for the scratch memory of segments
     double memory_limit = 0;         // bytes; 0: none
+    Work work = Work::whole;
+    std::vector<std::string> divide;       // nodes whose tasks are divided; none: the last that can be
+    std::map<std::string, Shape> shapes;   // of outputs ("node.port") of nodes that are not planned: the merge's
 };
 
 struct Plan {
@@ -47,8 +56,10 @@ struct Plan {
     std::vector<Tap> taps;
     double peak_bytes = 0;
     size_t peak_task = 0;
+    Work work = Work::whole;
 
     int readers_of(Link link) const;
+    std::string name_of(Link link) const;  // "node.port"
 };
 
 // Throws Error: an input file is missing, a node cannot say its cost, the plan does not fit the limit
@@ -63,9 +74,15 @@ struct PlacedError : Error {
 };
 Plan make_plan(const Graph& graph, const PlanOptions& options = {});
 
-// `weft plan`: tasks, segments, lifetimes, bytes, for reading; and the same for programs.
-std::string to_text(const Plan& plan);
-Json to_json(const Plan& plan);
+// Which tasks of a whole plan a shard would divide (runtime/divide.cpp). A segment can be divided, and a value
+// node that makes its result in pieces; of those that wait for each other the last. Throws UsageError
+// if there is none, if one of its sinks cannot hand out its tiles, or if `nodes` names others.
+std::vector<size_t> divided_tasks(const Plan& plan, const std::vector<std::string>& nodes);
+
+// `weft plan`: tasks, segments, lifetimes, bytes, keys if there are, for reading; and the same for programs.
+struct Keys;
+std::string to_text(const Plan& plan, const Keys* keys = nullptr);
+Json to_json(const Plan& plan, const Keys* keys = nullptr);
 
 // "1.5 GB", "12 MB", "640 B".
 std::string bytes_text(double bytes);

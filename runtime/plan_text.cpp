@@ -2,20 +2,25 @@
 
 #include <cstdlib>
 
+#include "runtime/keys.h"
 #include "runtime/plan.h"
 
 namespace weft {
 namespace {
 
-std::string output_name(const Graph& graph, Link link) {
-    const GraphNode& node = graph.nodes[size_t(link.node)];
-    return node.name + "." + node.type->outputs[size_t(link.port)].name;
+std::string joined(const Plan& plan, const std::vector<Link>& links) {
+    std::string text;
+    for (const Link& link : links) text += (text.empty() ? "" : ", ") + plan.name_of(link);
+    return text;
 }
 
-std::string joined(const Graph& graph, const std::vector<Link>& links) {
-    std::string text;
-    for (const Link& link : links) text += (text.empty() ? "" : ", ") + output_name(graph, link);
-    return text;
+// The tasks that shards would divide; none where that is not possible.
+std::vector<size_t> divisible(const Plan& plan) {
+    try {
+        return divided_tasks(plan, {});
+    } catch (const UsageError&) {
+        return {};
+    }
 }
 
 std::string shape_text(const Shape& shape) {
@@ -51,7 +56,7 @@ double parse_bytes(const std::string& text) {
     return number * factor;
 }
 
-std::string to_text(const Plan& plan) {
+std::string to_text(const Plan& plan, const Keys* keys) {
     const Graph& graph = *plan.graph;
     std::string text;
     for (size_t t = 0; t < plan.tasks.size(); ++t) {
@@ -74,18 +79,21 @@ std::string to_text(const Plan& plan) {
             text += "\n";
         }
         for (const Link& link : task.makes)
-            text += fmt::format("      makes    {}: {}\n", output_name(graph, link),
-                                shape_text(plan.shapes[size_t(link.node)][size_t(link.port)]));
-        if (!task.last_uses.empty()) text += fmt::format("      frees    {}\n", joined(graph, task.last_uses));
+            text += fmt::format("      makes    {}: {}\n{}", plan.name_of(link),
+                                shape_text(plan.shapes[size_t(link.node)][size_t(link.port)]),
+                                keys ? fmt::format("      key      {}\n", keys->of(link).text()) : "");
+        if (!task.last_uses.empty()) text += fmt::format("      frees    {}\n", joined(plan, task.last_uses));
         if (task.scratch_bytes > 0) text += fmt::format("      scratch  {}\n", bytes_text(task.scratch_bytes));
     }
     if (plan.tasks.empty()) return "nothing to do: no node of this graph writes anything\n";
     text += fmt::format("peak: {} of values and scratch, while '{}' runs\n", bytes_text(plan.peak_bytes),
                         plan.tasks[plan.peak_task].name);
+    for (const size_t t : divisible(plan)) text += fmt::format("--shard divides: '{}'\n", plan.tasks[t].name);
+    if (keys) text += fmt::format("key of all that is written: {}\n", keys->run.text());
     return text;
 }
 
-Json to_json(const Plan& plan) {
+Json to_json(const Plan& plan, const Keys* keys) {
     const Graph& graph = *plan.graph;
     Json out = Json::object();
     out.set("graph", graph.name);
@@ -107,7 +115,8 @@ Json to_json(const Plan& plan) {
         for (const Link& link : task.makes) {
             const Shape& shape = plan.shapes[size_t(link.node)][size_t(link.port)];
             Json made = Json::object();
-            made.set("value", output_name(graph, link));
+            made.set("value", plan.name_of(link));
+            if (keys) made.set("key", keys->of(link).text());
             made.set("width", shape.width);
             made.set("height", shape.height);
             made.set("channels", shape.channels);
@@ -116,12 +125,15 @@ Json to_json(const Plan& plan) {
             makes.items.push_back(std::move(made));
         }
         Json& frees = one.set("frees", Json::list());
-        for (const Link& link : task.last_uses) frees.items.push_back(Json(output_name(graph, link)));
+        for (const Link& link : task.last_uses) frees.items.push_back(Json(plan.name_of(link)));
         one.set("scratch_bytes", task.scratch_bytes);
         one.set("live_bytes", task.live_bytes);
         tasks.items.push_back(std::move(one));
     }
     out.set("peak_bytes", plan.peak_bytes);
+    Json& divided = out.set("divided", Json::list());
+    for (const size_t t : divisible(plan)) divided.items.push_back(Json(plan.tasks[t].name));
+    if (keys) out.set("key", keys->run.text());
     return out;
 }
 

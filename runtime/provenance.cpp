@@ -6,7 +6,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <vector>
 
 namespace weft {
@@ -56,22 +55,39 @@ std::string content_hash(const std::string& path) {
     return fmt::format("{:016x}", hash);
 }
 
-Provenance make_provenance(const Graph& graph) {
+std::vector<std::string> files_of(const Plan& plan, int node) {
+    const GraphNode& n = plan.graph->nodes[size_t(node)];
+    std::vector<std::string> files;
+    for (size_t p = 0; p < n.params.size(); ++p)
+        if (n.type->params[p].use == FileUse::read && !n.params[p].text.empty()) files.push_back(n.params[p].text);
+    if (const auto& instance = plan.instances[size_t(node)])
+        for (std::string& more : instance->reads()) files.push_back(std::move(more));
+    return files;
+}
+
+FilesRead files_read(const Plan& plan) {
+    FilesRead files;
+    for (size_t n = 0; n < plan.graph->nodes.size(); ++n)
+        for (const std::string& path : files_of(plan, int(n))) {
+            if (files.count(path)) continue;
+            FileContent& content = files[path];
+            std::error_code error;
+            if (const std::uint64_t size = std::filesystem::file_size(path, error); !error) content = {size, content_hash(path)};
+        }
+    return files;
+}
+
+Provenance make_provenance(const Plan& plan, const FilesRead& files) {
     Provenance provenance;
-    provenance.graph = graph.flattened().dump(false);
+    provenance.graph = plan.graph->flattened().dump(false);
     provenance.version = program_version;
-    std::set<std::string> files;
-    for (const GraphNode& node : graph.nodes)
-        for (size_t p = 0; p < node.params.size(); ++p)
-            if (node.type->params[p].use == FileUse::read && !node.params[p].text.empty()) files.insert(node.params[p].text);
     Json inputs = Json::list();
-    for (const std::string& path : files) {
+    for (const auto& [path, content] : files) {
         Json one = Json::object();
         one.set("path", path);
-        std::error_code error;
-        if (const std::uint64_t size = std::filesystem::file_size(path, error); !error) {
-            one.set("size", size);
-            one.set("xxh3", content_hash(path));
+        if (!content.hash.empty()) {
+            one.set("size", content.size);
+            one.set("xxh3", content.hash);
         }
         inputs.items.push_back(std::move(one));
     }

@@ -46,9 +46,13 @@ class Run {
         left_.resize(plan.tasks.size());
         dependents_.resize(plan.tasks.size());
         reports_.resize(plan.tasks.size());
+        divided_index_.resize(plan.tasks.size());
         for (size_t t = 0; t < plan.tasks.size(); ++t) {
             left_[t] = plan.tasks[t].needs.size();
             for (size_t need : plan.tasks[t].needs) dependents_[need].push_back(t);
+            if (!plan.tasks[t].divided) continue;
+            divided_index_[t] = std::uint32_t(divided_.size());
+            divided_.push_back({plan.graph->nodes[size_t(plan.tasks[t].nodes.front())].name, plan.tasks[t].name, {}, 0, {}});
         }
     }
 
@@ -63,6 +67,7 @@ class Run {
         RunResult result;
         result.errors = std::move(errors_);
         result.cancelled = cancelled_;
+        result.divided = std::move(divided_);
         for (size_t t = 0; t < plan_.tasks.size(); ++t) {
             if (monitor_.tasks[t].state != TaskProgress::done) continue;
             if (plan_.tasks[t].segment) result.segments.push_back(std::move(reports_[t].segment));
@@ -93,7 +98,8 @@ class Run {
         const int first = task.nodes.front();
         try {
             NodeContext ctx(plan_.graph->nodes[size_t(first)].name, executor_, monitor_, progress, options_);
-            if (task.segment) reports_[t].segment = run_segment(plan_, task, values_, ctx, monitor_, options_);
+            if (task.divided) run_divided(t, ctx);
+            else if (task.segment) reports_[t].segment = run_segment(plan_, task, values_, ctx, monitor_, options_);
             else run_node(t, first, ctx);
             write_taps(task, ctx);
         } catch (const Cancelled&) {
@@ -114,6 +120,25 @@ class Run {
                        progress.ended_us - progress.started_us, thread_number(), ""});
         release_inputs(task);
         for (size_t next : ready_after(t)) spawn([this, next, &spawn] { run_task(next, spawn); });
+    }
+
+    void run_divided(size_t t, NodeContext& ctx) {
+        const Task& task = plan_.tasks[t];
+        const GraphNode& n = plan_.graph->nodes[size_t(task.nodes.front())];
+        const std::uint64_t start = now_us();
+        StageReport& report = reports_[t].node;
+        report.name = n.name;
+        report.type = n.type->type;
+        if (plan_.work == Work::merge) {
+            reports_[t].segment.name = task.name;
+            report.cpu_s = ctx.timed([&] { join_task(plan_, task, values_, ctx, options_); });
+        } else if (task.segment) {
+            reports_[t].segment = run_segment(plan_, task, values_, ctx, monitor_, options_, &divided_[divided_index_[t]], divided_index_[t]);
+        } else {
+            report.cpu_s = ctx.timed(
+                [&] { run_pieces(plan_, task, values_, ctx, options_, divided_[divided_index_[t]], divided_index_[t]); });
+        }
+        report.wall_s = double(now_us() - start) * 1e-6;
     }
 
     void run_node(size_t t, int node, NodeContext& ctx) {
@@ -144,6 +169,7 @@ class Run {
     }
 
     void release_inputs(const Task& task) {
+        if (task.divided && plan_.work == Work::merge) return;  // it has none
         std::set<std::pair<int, int>> read;
         for (int n : task.nodes) {
             const GraphNode& node = plan_.graph->nodes[size_t(n)];
@@ -195,6 +221,8 @@ class Run {
     std::vector<size_t> left_;
     std::vector<std::vector<size_t>> dependents_;
     std::vector<Report> reports_;
+    std::vector<DividedTask> divided_;
+    std::vector<std::uint32_t> divided_index_;  // of each task, in divided_
     std::vector<NodeError> errors_;
     bool cancelled_ = false;
 };

@@ -7,6 +7,7 @@
 
 #include "runtime/executor.h"
 #include "runtime/monitor.h"
+#include "runtime/part_file.h"
 #include "runtime/plan.h"
 
 namespace weft {
@@ -15,6 +16,9 @@ struct RunOptions {
     int tile = 32;                              // pixels a side; changes no result
     Provenance provenance;
     const std::atomic<bool>* stop = nullptr;    // set by somebody: end soon, leave no partial file
+    Shard shard;                                // of a plan for a shard ...
+    PartWriter* part = nullptr;                 // ... and where its tiles and pieces go
+    const Parts* parts = nullptr;               // of a plan for the merge: where they come from
 };
 
 struct NodeError {
@@ -42,6 +46,7 @@ struct RunResult {
     std::vector<StageReport> nodes;        // value nodes
     std::vector<SegmentReport> segments;
     double wall_s = 0, cpu_s = 0;
+    std::vector<DividedTask> divided;      // of a shard, as its part's header lists them
     double peak_bytes = 0;                 // resident, of the process
     bool ok() const { return errors.empty() && !cancelled; }
 };

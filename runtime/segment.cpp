@@ -35,14 +35,24 @@ struct Stage {
 
 struct Worker {
     std::vector<Stage> stages;
+    ByteWriter bytes;  // of a tile, for a part
 };
 
 class Segment {
   public:
-    Segment(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, Monitor& monitor, const RunOptions& options)
-        : plan_(plan), graph_(*plan.graph), task_(task), values_(values), ctx_(ctx), monitor_(monitor), options_(options) {}
+    Segment(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, Monitor& monitor, const RunOptions& options,
+            std::uint32_t index)
+        : plan_(plan),
+          graph_(*plan.graph),
+          task_(task),
+          values_(values),
+          ctx_(ctx),
+          monitor_(monitor),
+          options_(options),
+          sharded_(task.divided && options.part),
+          index_(index) {}
 
-    SegmentReport run() {
+    SegmentReport run(DividedTask* made) {
         const auto start = Clock::now();
         const int source = task_.nodes.front();
         Inputs source_in = values_.inputs_of(source);
@@ -50,24 +60,29 @@ class Segment {
         for (const Tap& tap : plan_.taps)
             if (graph_.nodes[size_t(tap.from.node)].type->outputs[size_t(tap.from.port)].stream && index_of(tap.from.node) >= 0)
                 taps_.push_back(std::make_unique<StreamTap>(tap, std::max(extent_.width, 1)));
-        open_sinks();
+        if (!sharded_) open_sinks();
 
-        const int side = std::max(options_.tile, 1);
-        const int across = (extent_.width + side - 1) / side, down = (extent_.height + side - 1) / side;
-        const size_t tiles = size_t(std::max(across, 0)) * size_t(std::max(down, 0));
+        const TileGrid grid(extent_, options_.tile);
+        const size_t first = sharded_ ? size_t(options_.shard.index - 1) : 0, step = sharded_ ? size_t(options_.shard.count) : 1;
+        const size_t tiles = grid.size() > first ? (grid.size() - first + step - 1) / step : 0;
         std::atomic<size_t> finished = 0;
         ctx_.progress(0, double(tiles), "tiles");
         ctx_.parallel(tiles, 1, [&](size_t begin, size_t end) {
             std::unique_ptr<Worker> worker = take_worker();
             for (size_t t = begin; t < end; ++t) {
-                const int x = int(t % size_t(across)) * side, y = int(t / size_t(across)) * side;
-                run_tile(*worker, {t, x, y, std::min(x + side, extent_.width), std::min(y + side, extent_.height)});
+                run_tile(*worker, grid.tile(first + t * step));
                 ctx_.progress(double(++finished), double(tiles), "tiles");
             }
             give_back(std::move(worker));
         });
-        close_sinks();
+        if (!sharded_) close_sinks();
         for (const auto& tap : taps_) tap->write();
+        if (made) {
+            made->extent = extent_;
+            made->items = grid.size();
+            for (const int node : task_.nodes)
+                if (plan_.instances[size_t(node)]->form() == Form::sink) made->sinks.push_back(graph_.nodes[size_t(node)].name);
+        }
         SegmentReport report = summary();
         report.tiles = tiles;
         report.wall_s = ns_since(start) * 1e-9;
@@ -212,9 +227,13 @@ class Segment {
                 guarded(stage.node, [&] { stage.instance->begin(stage.in, stage.scratch.get()); });
         }
         for (size_t index = 0; run_batch(worker, index); ++index) ctx_.check_cancelled();
-        for (size_t i = 0; i < worker.stages.size(); ++i)
-            if (Stage& stage = worker.stages[i]; stage.form == Form::sink)
-                guarded(stage.node, [&] { stage.instance->end(stage.in, stage.scratch.get(), results_[i].get()); });
+        if (sharded_) {
+            hand_out_tile(worker, tile);
+        } else {
+            for (size_t i = 0; i < worker.stages.size(); ++i)
+                if (Stage& stage = worker.stages[i]; stage.form == Form::sink)
+                    guarded(stage.node, [&] { stage.instance->end(stage.in, stage.scratch.get(), results_[i].get()); });
+        }
 
         // A stage's clock counts while its thread is held up by others; its tile's CPU time does not.
         const double wall = std::max(ns_since(start), 1.0), cpu = double(thread_cpu_ns() - cpu_begin);
@@ -223,6 +242,19 @@ class Segment {
             stage.cpu_ns += stage.tile_ns * std::min(1.0, cpu / wall);
         }
         if (monitor_.tracing) trace_tile(worker, tile, begin_us);
+    }
+
+    void hand_out_tile(Worker& worker, const Tile& tile) {
+        std::uint32_t sink = 0;
+        for (Stage& stage : worker.stages) {
+            if (stage.form != Form::sink) continue;
+            worker.bytes.clear();
+            guarded(stage.node, [&] {
+                stage.instance->save(stage.in, stage.scratch.get(), worker.bytes);
+                options_.part->add(index_, sink, tile.index, worker.bytes.bytes());
+            });
+            ++sink;
+        }
     }
 
     bool run_batch(Worker& worker, size_t index) {
@@ -317,6 +349,8 @@ class Segment {
     NodeContext& ctx_;
     Monitor& monitor_;
     const RunOptions& options_;
+    const bool sharded_;
+    const std::uint32_t index_;
     Extent extent_;
     std::vector<std::shared_ptr<void>> results_;
     std::vector<std::unique_ptr<StreamTap>> taps_;
@@ -326,9 +360,20 @@ class Segment {
 
 }  // namespace
 
+TileGrid::TileGrid(const Extent& of, int tile)
+    : extent(of),
+      side(std::max(tile, 1)),
+      across(size_t(std::max((of.width + side - 1) / side, 0))),
+      down(size_t(std::max((of.height + side - 1) / side, 0))) {}
+
+Tile TileGrid::tile(size_t index) const {
+    const int x = int(index % across) * side, y = int(index / across) * side;
+    return {index, x, y, std::min(x + side, extent.width), std::min(y + side, extent.height)};
+}
+
 SegmentReport run_segment(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, Monitor& monitor,
-                          const RunOptions& options) {
-    return Segment(plan, task, values, ctx, monitor, options).run();
+                          const RunOptions& options, DividedTask* made, std::uint32_t index) {
+    return Segment(plan, task, values, ctx, monitor, options, index).run(made);
 }
 
 }  // namespace weft

@@ -2,16 +2,12 @@
 
 namespace weft {
 
-namespace {
-
-// What a node's document calls another: 'tlfr' for "tlfr/stages/picture", as seen from "compare".
+// 'tlfr' for "tlfr/stages/picture", as seen from "compare".
 std::string name_seen_from(const std::string& node, const std::string& other) {
     const size_t scope = node.rfind('/') == std::string::npos ? 0 : node.rfind('/') + 1;
     if (other.compare(0, scope, node, 0, scope) != 0) return other;  // from outside the sub-graph
     return other.substr(scope, other.find('/', scope) - scope);
 }
-
-}  // namespace
 
 Values::Values(const Plan& plan) : plan_(plan) {
     for (size_t n = 0; n < plan.graph->nodes.size(); ++n) {

@@ -10,6 +10,9 @@
 
 namespace weft {
 
+// What a node's document calls another node.
+std::string name_seen_from(const std::string& node, const std::string& other);
+
 class Values {
   public:
     explicit Values(const Plan& plan);

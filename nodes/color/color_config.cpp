@@ -131,6 +131,12 @@ std::shared_ptr<const ColorConfig> ColorConfig::shipped() {
     return config;
 }
 
+std::vector<std::string> ColorConfig::further_files(const std::string& path) {
+    const char* variable = std::getenv("OCIO");
+    if (path.empty() && variable && *variable) return {variable};
+    return {};
+}
+
 std::shared_ptr<const ColorConfig> ColorConfig::open(const std::string& path) {
     std::string file = path;
     const char* variable = std::getenv("OCIO");

@@ -30,6 +30,8 @@ class ColorConfig {
     // Kept for the life of the program: the next to ask for the same file gets the same object.
     static std::shared_ptr<const ColorConfig> open(const std::string& path);
     static std::shared_ptr<const ColorConfig> shipped();
+    // What open(path) reads and `path` does not say: $OCIO's file, or nothing.
+    static std::vector<std::string> further_files(const std::string& path);
 
     const std::string& name() const { return name_; }  // "weft-1", or the file's path
     std::string label()

@@ -23,6 +23,8 @@ struct OcioColorSpace {
 
     Cost cost(const Shapes& in) const { return cost_like(in, "image", "image", 0, 0, 500); }
 
+    std::vector<std::string> reads() const { return ColorConfig::further_files(config.path); }
+
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Image& image = in.get<Image>("image");
         const auto colors = ColorConfig::open(config.path);

@@ -19,6 +19,15 @@ struct AnalyticNode {
         return {width, height, spp, seed, sampler, aperture, shutter};
     }
 
+    // Shards: a piece is a band of rows.
+    size_t pieces(const Inputs&) const { return size_t((height + analytic_band - 1) / analytic_band); }
+    AnalyticOptions options_of_piece(int spp, size_t index) const {
+        AnalyticOptions some = options(spp);
+        some.first_row = int(index) * analytic_band;
+        some.end_row = std::min(height, some.first_row + analytic_band);
+        return some;
+    }
+
     template <class Node>
     static void declare_shared(Ports<Node>& node) {
         const auto of = []<class T>(T AnalyticNode::*field) {

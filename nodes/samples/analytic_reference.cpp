@@ -1,6 +1,6 @@
 // analytic-reference: the picture of a built-in scene, from so many samples that it can stand for
 // the truth. Samples are summed as they are made: memory does not grow with spp.
-#include "image/image.h"
+#include "image/image_bytes.h"
 #include "samples/analytic_node.h"
 
 namespace weft {
@@ -24,6 +24,18 @@ struct AnalyticReference : AnalyticNode {
 
     void run(const Inputs&, Outputs& out, Context& ctx) const {
         out.set("image", analytic_reference(scene_name(), options(spp), spp, ctx));
+    }
+
+    void piece(const Inputs&, size_t index, ByteWriter& to, Context& ctx) const {
+        put_image(to, analytic_reference(scene_name(), options_of_piece(spp, index), spp, ctx));
+    }
+    void join(const Pieces& all, Outputs& out, Context&) const {
+        ImageStack image;
+        for (size_t i = 0; i < all.size(); ++i) {
+            ByteReader from = all.read(i);
+            image.add(take_image(from));
+        }
+        out.set("image", image.whole());
     }
 };
 

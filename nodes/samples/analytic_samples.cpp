@@ -1,5 +1,6 @@
 // analytic-samples: samples of a built-in scene, which needs no file (analytic_scene.h).
 #include "samples/analytic_node.h"
+#include "samples/sample_bytes.h"
 
 namespace weft {
 namespace {
@@ -27,6 +28,11 @@ struct AnalyticSamples : AnalyticNode {
     void run(const Inputs&, Outputs& out, Context& ctx) const {
         out.set("samples", analytic_samples(scene_name(), options(spp), ctx));
     }
+
+    void piece(const Inputs&, size_t index, ByteWriter& to, Context& ctx) const {
+        put_samples(to, analytic_samples(scene_name(), options_of_piece(spp, index), ctx));
+    }
+    void join(const Pieces& all, Outputs& out, Context&) const { out.set("samples", join_samples(all)); }
 };
 
 WEFT_NODE(AnalyticSamples, "analytic-samples", 1);

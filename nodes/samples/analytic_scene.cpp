@@ -118,13 +118,15 @@ Hit hit_of(const Scene& scene, const Rays& rays, int i) {
 template <class Work>
 void for_tiles(const Tracer& tracer, const AnalyticOptions& o, std::uint64_t seed, int spp,
                Context& ctx, const Work& work) {
-    const size_t tiles = size_t(tracer.tiles_x()) * size_t(tracer.tiles_y());
+    static_assert(analytic_band % Tracer::tile == 0);
+    const int first_down = o.first_row / Tracer::tile, down = (o.rows() + Tracer::tile - 1) / Tracer::tile;
+    const size_t tiles = size_t(tracer.tiles_x()) * size_t(down);
     std::atomic<size_t> done{0};
     ctx.parallel(tiles, 1, [&](size_t begin, size_t end) {
         const auto batch = std::make_unique<Batch5>();
         for (size_t index = begin; index < end; ++index) {
             const int tx = int(index % size_t(tracer.tiles_x())),
-                      ty = int(index / size_t(tracer.tiles_x()));
+                      ty = first_down + int(index / size_t(tracer.tiles_x()));
             const TilePixels tile{tx * Tracer::tile, ty * Tracer::tile,
                                   std::min((tx + 1) * Tracer::tile, o.width),
                                   std::min((ty + 1) * Tracer::tile, o.height)};
@@ -174,7 +176,7 @@ Samples analytic_samples(std::string_view name, const AnalyticOptions& o, Contex
     check(o, o.spp);
     const Scene scene = entry.build(o);
     const Tracer tracer(scene, o.width, o.height);
-    const size_t n = size_t(o.width) * size_t(o.height) * size_t(o.spp);
+    const size_t n = size_t(o.width) * size_t(o.rows()) * size_t(o.spp);
     std::vector<float> xy(2 * n), uv(2 * n), t(n), z(n), motion(3 * n), rgb(3 * n), alpha(n);
     std::vector<float> position(3 * n), normal(3 * n), albedo(3 * n);
     std::vector<std::uint32_t> id(n);
@@ -186,7 +188,7 @@ Samples analytic_samples(std::string_view name, const AnalyticOptions& o, Contex
                       for (int x = tile.x0; x < tile.x1; ++x)
                           for (int s = 0; s < per_pixel; ++s, ++k) {
                               const size_t i =
-                                  (size_t(y) * size_t(o.width) + size_t(x)) * size_t(o.spp) +
+                                  (size_t(y - o.first_row) * size_t(o.width) + size_t(x)) * size_t(o.spp) +
                                   size_t(first + s);
                               const Rays& rays = batch.rays;
                               xy[2 * i] = batch.film_x[k], xy[2 * i + 1] = batch.film_y[k];
@@ -209,7 +211,7 @@ Samples analytic_samples(std::string_view name, const AnalyticOptions& o, Contex
 
     Samples samples;
     samples.width = o.width;
-    samples.height = o.height;
+    samples.height = o.rows();
     samples.spp = o.spp;
     samples.lens = scene.camera.lens();
     samples.set_size(n);
@@ -242,9 +244,9 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
     check(o, spp);
     const Scene scene = entry.build(o);
     const Tracer tracer(scene, o.width, o.height);
-    Image image(o.width, o.height, 3);
+    Image image(o.width, o.rows(), 3);
     image.color_space = "lin_rec709";
-    std::vector<Color> sums(size_t(o.width) * size_t(o.height));
+    std::vector<Color> sums(size_t(o.width) * size_t(o.rows()));
     const std::uint64_t seed = mix(o.seed ^ 0x5265666572656e63ull);
 
     for_tiles(tracer, o, seed, spp, ctx,
@@ -252,7 +254,7 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
                   int k = 0;
                   for (int y = tile.y0; y < tile.y1; ++y)
                       for (int x = tile.x0; x < tile.x1; ++x) {
-                          auto& sum = sums[size_t(y) * size_t(o.width) + size_t(x)];
+                          auto& sum = sums[size_t(y - o.first_row) * size_t(o.width) + size_t(x)];
                           for (int s = 0; s < per_pixel; ++s, ++k) {
                               const Hit hit = hit_of(scene, batch.rays, k);
                               sum[0] += double(hit.surface.radiance.x);
@@ -261,7 +263,7 @@ Image analytic_reference(std::string_view name, const AnalyticOptions& o, int sp
                                     }
                       }
               });
-    for (int y = 0; y < o.height; ++y)
+    for (int y = 0; y < o.rows(); ++y)
         for (int x = 0; x < o.width; ++x)
             for (size_t c = 0; c < 3; ++c)
                 image.at(x, y)[c] = float(sums[size_t(y) * size_t(o.width) + size_t(x)][c] / spp);

@@ -34,7 +34,12 @@ struct AnalyticOptions {
     Sampler sampler = Sampler::sobol;
     float aperture = 1;  // times the scene's own lens radius; 0: a pinhole
     float shutter = 1;   // times the scene's own motion about the middle of the shutter; 0: still
+    // Only rows [first_row, end_row) of the picture, both multiples of analytic_band or the height; 0, 0: all.
+    int first_row = 0, end_row = 0;
+    int rows() const { return (end_row > 0 ? end_row : height) - first_row; }
 };
+
+constexpr int analytic_band = 16;  // rows
 
 std::vector<std::string> analytic_scene_names();
 

@@ -183,6 +183,93 @@ class Cli(unittest.TestCase):
             self.assertEqual(one, (self.path / "c/three.exr").read_bytes(), picture)
         self.assertIn("locations", self.run_ok("show", "a/one.exr").stdout)
 
+    # --- shards ----------------------------------------------------------------------------------
+
+    def shard(self, part, shard, *more, graph=GRAPHS / "tlfr.json"):
+        return weft("run", graph, "--quiet", "--set", "samples=small.npz", "--set", "locations=4", "--shard", shard, "--part", part, *more,
+                    cwd=self.path)
+
+    def test_shards_merge_to_the_single_runs_bytes(self):
+        samples = self.small_samples()
+        self.run_ok("run", GRAPHS / "tlfr.json", "--quiet", "--set", f"samples={samples}", "--set", "locations=4", "--set", "out=one/a.exr")
+        for n, tile in ((1, 32), (2, 7), (5, 16)):
+            parts = [f"parts/{n}-{i}" for i in range(1, n + 1)]
+            for i, part in enumerate(parts):
+                done = self.shard(part, f"{i + 1}/{n}", "--tile", tile, "--threads", i % 2 + 1, "--set", "out=never/a.exr")
+                self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
+            self.run_ok("merge", f"two/{n}.exr", *reversed(parts), "--quiet")
+            for kind in ("exr", "png"):
+                self.assertEqual((self.path / f"one/a.{kind}").read_bytes(), (self.path / f"two/{n}.{kind}").read_bytes(), (n, kind))
+        self.assertFalse((self.path / "never").exists())
+        self.run_ok("run", "two/5.exr", "--quiet", "--set", "out=three.exr")  # what it says of itself can be run
+        self.assertEqual((self.path / "one/a.exr").read_bytes(), (self.path / "three.exr").read_bytes())
+
+    def test_a_part_that_does_not_belong_is_named(self):
+        self.small_samples()
+        for i in (1, 2, 3):
+            self.assertEqual(self.shard(f"{i}.part", f"{i}/3").returncode, 0)
+
+        def refused(*parts):
+            done = weft("merge", "a.exr", *parts, "--quiet", cwd=self.path)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertFalse((self.path / "a.exr").exists())
+            return done.stderr
+
+        self.assertIn("shard 2/3", refused("1.part", "3.part"))
+        self.assertIn("1.part and 1.part are both shard 1/3", refused("1.part", "1.part", "2.part", "3.part"))
+        self.assertIn("nowhere.part: cannot open", refused("1.part", "2.part", "nowhere.part"))
+        self.assertIn("small.npz: is no part", refused("1.part", "2.part", "small.npz"))
+        whole = (self.path / "3.part").read_bytes()
+        (self.path / "cut.part").write_bytes(whole[: len(whole) // 2])
+        self.assertIn("cut.part: is damaged", refused("1.part", "2.part", "cut.part"))
+        spoilt = bytearray((self.path / "1.part").read_bytes())
+        spoilt[100] ^= 1
+        (self.path / "spoilt.part").write_bytes(spoilt)
+        self.assertRegex(refused("spoilt.part", "2.part", "3.part"), r"spoilt.part: is damaged: tile or piece \d+ has another checksum")
+        self.shard("isa.part", "3/3", "--isa", "v2")
+        if "avx2" in pathlib.Path("/proc/cpuinfo").read_text():
+            self.assertIn("isa.part: is not of the same run as 1.part: made with instruction set v2", refused("1.part", "2.part", "isa.part"))
+        self.shard("other.part", "3/3", "--set", "locations=5")
+        self.assertIn("made of another graph, or with other parameters", refused("1.part", "2.part", "other.part"))
+        make = (self.path / "make.json").read_text()
+        self.document(make.replace('"spp": 2', '"spp": 3'), "make.json")
+        self.run_ok("run", "make.json", "--quiet")
+        self.shard("input.part", "3/3")
+        self.assertIn("made of other input files", refused("1.part", "2.part", "input.part"))
+
+    def test_a_graph_that_cannot_be_divided_is_refused_with_what_to_do(self):
+        self.small_samples()
+        done = self.shard("a.part", "1/2", "--bypass", "smooth", graph=GRAPHS / "tlfr.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = weft("run", GRAPHS / "box.json", "--shard", "1/2", cwd=self.path)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("run it whole, without --shard", done.stderr)
+        for wrong in (["--shard", "3/2"], ["--part", "a.part"], ["--shard", "1/2", "--divide", "nothing"], ["--shard", "1/2", "--tap", "picture=a.json"]):
+            self.assertEqual(weft("run", GRAPHS / "tlfr.json", *wrong, cwd=self.path).returncode, 2, wrong)
+
+    def test_a_node_that_makes_samples_is_divided(self):
+        common = ["--quiet", "--swap", "samples=analytic-samples,width=50,height=40,spp=3"]
+        self.run_ok("run", GRAPHS / "box.json", *common, "--set", "out=one.exr")
+        for i in (1, 2):
+            self.run_ok("run", GRAPHS / "box.json", *common, "--shard", f"{i}/2", "--part", f"{i}.part")
+        self.run_ok("merge", "two.exr", "1.part", "2.part", "--quiet")
+        self.assertEqual((self.path / "one.exr").read_bytes(), (self.path / "two.exr").read_bytes())
+
+    def test_plans_show_keys_of_what_goes_in(self):
+        samples = self.small_samples()
+
+        def keys(*more):
+            plan = json.loads(self.run_ok("plan", GRAPHS / "tlfr.json", "--json", "--set", f"samples={samples}", *more).stdout)
+            return {made["value"]: made["key"] for task in plan["tasks"] for made in task["makes"]}, plan["key"]
+
+        before, run = keys()
+        self.assertEqual((before, run), keys("--set", "out=elsewhere.exr"))
+        after, other = keys("--set", "locations=5")
+        self.assertEqual(before["smooth.samples"], after["smooth.samples"])
+        self.assertNotEqual(before["picture.image"], after["picture.image"])
+        self.assertNotEqual(run, other)
+        self.assertIn(before["picture.image"], self.run_ok("plan", GRAPHS / "tlfr.json", "--set", f"samples={samples}").stdout)
+
     def test_a_changed_input_is_said_when_a_run_is_repeated(self):
         samples = self.small_samples()
         self.run_ok("run", GRAPHS / "box.json", "--quiet", "--set", f"samples={samples}", "--set", "out=one.exr")

@@ -9,6 +9,7 @@
 #include "runtime/provenance.h"
 #include "runtime/registry.h"
 #include "runtime/run.h"
+#include "runtime/shard.h"
 
 namespace weft {
 namespace {
@@ -64,6 +65,14 @@ Overrides small(const fs::path& graph, const fs::path& out) {
     return overrides;
 }
 
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+    std::map<std::string, std::string> files;
+    if (fs::exists(folder))
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+            if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = slurp(entry.path());
+    return files;
+}
+
 // All files that a run leaves in its folder, by name.
 std::map<std::string, std::string> run(const fs::path& graph, const std::string& label, Executor& executor, int tile) {
     const fs::path out = fs::path(testing::TempDir()) / "weft-graphs" / graph.stem() / label;
@@ -78,14 +87,55 @@ std::map<std::string, std::string> run(const fs::path& graph, const std::string&
     Monitor monitor;
     RunOptions options;
     options.tile = tile;
-    options.provenance = make_provenance(loaded.graph);
+    options.provenance = make_provenance(plan);
     const RunResult result = run_plan(plan, executor, monitor, options);
     for (const NodeError& error : result.errors) ADD_FAILURE() << error.node << ": " << error.message;
-    std::map<std::string, std::string> files;
-    if (fs::exists(out))
-        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out))
-            if (entry.is_regular_file()) files[fs::relative(entry.path(), out).string()] = slurp(entry.path());
-    return files;
+    return files_in(out);
+}
+
+// The same of a run in shards and their merge.
+std::map<std::string, std::string> run_in_shards(const Graph& graph, const fs::path& out, int shards, Executor& executor, int tile) {
+    fs::remove_all(out);
+    const fs::path parts_folder = out.string() + "-parts";
+    std::vector<std::string> files;
+    PlanOptions plan_options;
+    plan_options.work = Work::shard;
+    const Plan plan = make_plan(graph, plan_options);
+    const auto expect_ok = [](const RunResult& result) {
+        for (const NodeError& error : result.errors) ADD_FAILURE() << error.node << ": " << error.message;
+    };
+    for (int i = 1; i <= shards; ++i) {
+        files.push_back((parts_folder / std::to_string(i)).string());
+        PartHeader header = shard_header(plan, files_read(plan), {i, shards}, tile);
+        PartWriter part(files.back());
+        Monitor monitor;
+        RunOptions options;
+        options.tile = tile;
+        options.provenance = header.provenance;
+        options.shard = header.shard;
+        options.part = &part;
+        const RunResult result = run_plan(plan, executor, monitor, options);
+        expect_ok(result);
+        header.tasks = result.divided;
+        part.finish(header);
+    }
+    EXPECT_TRUE(files_in(out).empty()) << "a shard wrote more than its part";
+
+    const Parts parts(files);
+    LoadOptions load;
+    load.for_run = true;
+    for (const auto& [name, value] : parts.header().files) load.overrides.set.push_back(name + "=" + value);
+    const Loaded loaded = load_graph_text(parts.header().provenance.graph, "part", Registry::instance(), load);
+    for (const Diagnostic& finding : loaded.findings) ADD_FAILURE() << to_text(finding);
+    const Plan merge = make_plan(loaded.graph, merge_options(parts.header()));
+    Monitor monitor;
+    RunOptions options;
+    options.tile = tile;
+    options.provenance = parts.header().provenance;
+    options.parts = &parts;
+    expect_ok(run_plan(merge, executor, monitor, options));
+    fs::remove_all(parts_folder);
+    return files_in(out);
 }
 
 class ShippedGraph : public testing::TestWithParam<fs::path> {};
@@ -106,6 +156,23 @@ TEST_P(ShippedGraph, GivesTheSameBytesForAnyThreadsAndTiles) {
     for (const auto& [name, bytes] : first) EXPECT_GT(bytes.size(), 0u) << name;
     EXPECT_EQ(run(GetParam(), "two", *make_tbb_executor(2), 16), first);
     EXPECT_EQ(run(GetParam(), "seven", *make_thread_executor(7), 11), first);
+}
+
+TEST_P(ShippedGraph, GivesTheSameBytesInShards) {
+    const fs::path out = fs::path(testing::TempDir()) / "weft-graphs" / GetParam().stem() / "shards";
+    LoadOptions load;
+    load.for_run = true;
+    load.overrides = small(GetParam(), out);
+    const Loaded loaded = load_graph(GetParam().string(), Registry::instance(), load);
+    ASSERT_TRUE(loaded.ok());
+    try {
+        divided_tasks(make_plan(loaded.graph), {});
+    } catch (const UsageError& error) {
+        GTEST_SKIP() << error.what();
+    }
+    const auto whole = run(GetParam(), "whole", *make_tbb_executor(2), 32);
+    EXPECT_EQ(run_in_shards(loaded.graph, out, 2, *make_tbb_executor(2), 13), whole);
+    EXPECT_EQ(run_in_shards(loaded.graph, out, 5, *make_tbb_executor(1), 32), whole);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedGraph, testing::ValuesIn(shipped_graphs()), [](const auto& graph) {

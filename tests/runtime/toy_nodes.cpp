@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "runtime/atomic_file.h"
+
 namespace weft {
 
 std::function<void()> on_hook;
@@ -241,6 +245,77 @@ struct ToySum {
     }
 };
 WEFT_NODE(ToySum, "toy-sum", 1)
+
+// Reads the first number of a file, and one of a file beside it.
+struct ToyRead {
+    InputFile file;
+    std::string beside;
+    static void declare(Ports<ToyRead>& node) {
+        node.about("reads a number").out<Number>("number", "it").param("file", &ToyRead::file).param("beside", &ToyRead::beside);
+    }
+    std::vector<std::string> reads() const { return beside.empty() ? std::vector<std::string>() : std::vector<std::string>{beside}; }
+    void run(const Inputs&, Outputs& out, Context&) const {
+        Number number;
+        std::ifstream(file.path) >> number.value;
+        out.set("number", number);
+    }
+};
+WEFT_NODE(ToyRead, "toy-read", 1)
+
+struct ToyWrite {
+    OutputFile file;
+    static void declare(Ports<ToyWrite>& node) {
+        node.about("writes a number").writes().in<Number>("number", "to write").param("file", &ToyWrite::file);
+    }
+    void run(const Inputs& in, Outputs&, Context& ctx) const {
+        write_file(file.path, std::to_string(in.get<Number>("number").value) + " " + ctx.provenance().graph + ctx.provenance().inputs);
+    }
+};
+WEFT_NODE(ToyWrite, "toy-write", 1)
+
+// A grid made row by row: a value whose work can be divided.
+struct ToyRows {
+    int width = 10, height = 23;
+    bool whole = false;
+    static void declare(Ports<ToyRows>& node) {
+        node.about("makes a grid").in<Number>("number", "added", Need::optional).out<Grid>("grid", "it").param("width", &ToyRows::width)
+            .param("height", &ToyRows::height).param("whole", &ToyRows::whole);
+    }
+    std::vector<double> row(const Inputs& in, size_t y) const {
+        std::vector<double> cells(static_cast<size_t>(width));
+        const double base = in.get_or<Number>("number", Number{0}).value;
+        for (size_t x = 0; x < cells.size(); ++x) cells[x] = base + 1.0 / double(1 + x + 100 * y);
+        return cells;
+    }
+    void run(const Inputs& in, Outputs& out, Context&) const {
+        Grid grid{width, height, {}};
+        for (size_t y = 0; y < size_t(height); ++y)
+            for (double cell : row(in, y)) grid.cells.push_back(cell);
+        out.set("grid", std::move(grid));
+    }
+    bool divides() const { return !whole; }
+    size_t pieces(const Inputs&) const { return size_t(height); }
+    void piece(const Inputs& in, size_t index, ByteWriter& to, Context&) const { to.put_all(row(in, index)); }
+    void join(const Pieces& pieces, Outputs& out, Context&) const {
+        Grid grid{width, height, {}};
+        for (size_t y = 0; y < pieces.size(); ++y)
+            for (double cell : pieces.read(y).take_all<double>()) grid.cells.push_back(cell);
+        out.set("grid", std::move(grid));
+    }
+};
+WEFT_NODE(ToyRows, "toy-rows", 1)
+
+// A sink that keeps its tiles to itself.
+struct ToyDrain {
+    struct Result {};
+    struct Scratch {};
+    static void declare(Ports<ToyDrain>& node) { node.about("takes dots").in<Dots>("dots", "to take").out<Number>("number", "1"); }
+    void open(const Inputs&, const Extent&, Result&) const {}
+    void batch(const Inputs&, Scratch&) const {}
+    void end(const Inputs&, Scratch&, Result&) const {}
+    void close(const Inputs&, Result&, Outputs& out, Context&) const { out.set("number", Number{1}); }
+};
+WEFT_NODE(ToyDrain, "toy-drain", 1)
 
 struct ToyBatchHook {
     static void declare(Ports<ToyBatchHook>& node) {
