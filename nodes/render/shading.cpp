@@ -1,0 +1,226 @@
+#include "render/shading.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "samples/random.h"
+
+namespace weft::render {
+namespace {
+
+std::uint64_t now_ns() {
+    return std::uint64_t(std::chrono::steady_clock::now().time_since_epoch().count());
+}
+
+// Texture coordinates a unit of length.
+float uv_density(const SurfacePoint& p) {
+    const float area = length(cross(p.along_u, p.along_v));
+    return area > 0 ? 1 / std::sqrt(area) : 0;
+}
+
+// A normal that `out` sees: bent towards it where interpolation or a map turned it away.
+Vec3 seen_normal(Vec3 normal, Vec3 out) {
+    constexpr float least = 0.01f;
+    const float c = dot(normal, out);
+    return c >= least ? normal : unit(normal + out * (least - c));
+}
+
+Vec3 mapped_normal(const SurfacePoint& p, Vec3 normal, const float* rgba, float scale) {
+    const float x = (2 * rgba[0] - 1) * scale, y = (2 * rgba[1] - 1) * scale, z = 2 * rgba[2] - 1;
+    // Tangents along the texture's axes, made square to the normal; +y is up the picture, against v.
+    Vec3 t = p.along_u - normal * dot(p.along_u, normal);
+    const float l = length(t);
+    if (!(l > 0)) return normal;
+    t = t * (1 / l);
+    Vec3 b = cross(normal, t);
+    if (dot(b, p.along_v) > 0) b = -b;
+    const Vec3 n = t * x + b * y + normal * z;
+    const float size = length(n);
+    return size > 0 ? n * (1 / size) : normal;
+}
+
+}  // namespace
+
+void Shading::look_up(const TextureMap& map, std::span<const std::uint32_t> hits, std::span<const float> footprint,
+                      std::span<const float> random, ShadingScratch& s) const {
+    const std::uint64_t start = now_ns();
+    const size_t n = hits.size();
+    s.uv.resize(n), s.width.resize(n), s.random.resize(n), s.rgba.resize(4 * n);
+    const float scale = std::sqrt(std::fabs(map.scale.x * map.scale.y));
+    for (size_t i = 0; i < n; ++i) {
+        const SurfacePoint& p = s.shades[hits[i]].point;
+        s.uv[i] = place(map, p.uv);
+        s.width[i] = footprint[hits[i]] * uv_density(p) * scale;
+        s.random[i] = random[hits[i]];
+    }
+    textures_->lookup(map.file, map.wrap_u, map.wrap_v, s.uv, s.width, s.random, s.rgba);
+    s.lookups += n;
+    s.texture_ns += now_ns() - start;
+}
+
+void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint, std::span<const float> random,
+                    ShadingScratch& s) const {
+    const Scene& scene = rays_.scene();
+    const auto& objects = rays_.objects();
+    if (s.shades.size() < n) s.shades.resize(n);
+    s.order.resize(n);
+    s.count.assign(scene.materials.size() + 1, 0);
+    for (size_t k = 0; k < n; ++k) {
+        const std::uint32_t object = hits.object[k];
+        if (object == no_object) continue;
+        Shade& shade = s.shades[k];
+        shade.point = surface_at(objects[object], hits.primitive[k], hits.u[k], hits.v[k], hits.time[k]);
+        shade.out = -hits.direction(k);
+        shade.light = objects[object].light >= 0;
+        if (shade.light) {
+            shade.normal = shade.point.geometric;
+            shade.emission = lights_.radiance(object);
+            shade.albedo = {};
+            shade.roughness = 1;
+        } else {
+            ++s.count[size_t(objects[object].material) + 1];
+        }
+    }
+    for (size_t m = 1; m < s.count.size(); ++m) s.count[m] += s.count[m - 1];
+    const size_t surfaces = s.count.back();
+    for (size_t k = 0; k < n; ++k)
+        if (hits.object[k] != no_object && objects[hits.object[k]].light < 0)
+            s.order[s.count[size_t(objects[hits.object[k]].material)]++] = std::uint32_t(k);
+
+    // count[m] is now where material m ends.
+    size_t begin = 0;
+    for (size_t m = 0; begin < surfaces; ++m) {
+        const size_t end = s.count[m];
+        if (begin == end) continue;
+        const std::span<const std::uint32_t> group(&s.order[begin], end - begin);
+        begin = end;
+        const Material& mat = scene.materials[m];
+        for (const std::uint32_t k : group) {
+            Shade& shade = s.shades[k];
+            shade.albedo = mat.base_color;
+            shade.roughness = mat.roughness;
+            shade.emission = mat.emission;
+        }
+        float metallic = mat.metallic;
+        const auto mapped = [&](const TextureMap& map, auto&& use) {
+            if (!map.used() || !textures_) return;
+            look_up(map, group, footprint, random, s);
+            for (size_t i = 0; i < group.size(); ++i) use(s.shades[group[i]], &s.rgba[4 * i], i);
+        };
+        mapped(mat.base_color_map, [&](Shade& shade, const float* c, size_t) {
+            shade.albedo = shade.albedo * Vec3{c[0], c[1], c[2]};
+        });
+        mapped(mat.emission_map, [&](Shade& shade, const float* c, size_t) {
+            shade.emission = shade.emission * Vec3{c[0], c[1], c[2]};
+        });
+        mapped(mat.normal_map, [&](Shade& shade, const float* c, size_t) {
+            shade.point.shading = mapped_normal(shade.point, shade.point.shading, c, mat.normal_scale);
+        });
+        const bool has_metal_map = mat.metallic_roughness_map.used() && textures_;
+        mapped(mat.metallic_roughness_map, [&](Shade& shade, const float* c, size_t) {
+            shade.roughness *= c[1];
+        });
+        for (size_t i = 0; i < group.size(); ++i) {
+            Shade& shade = s.shades[group[i]];
+            if (has_metal_map) metallic = mat.metallic * s.rgba[4 * i + 2];
+            shade.bsdf = make_bsdf(mat.kind, shade.albedo, metallic, shade.roughness, mat.ior, mat.transmission);
+            SurfacePoint& p = shade.point;
+            const bool front = dot(p.geometric, shade.out) >= 0;
+            if (!front && !mat.two_sided) shade.emission = {};
+            if (shade.bsdf.has_inside()) {
+                shade.normal = dot(p.shading, p.geometric) > 0 ? p.shading : p.geometric;
+                if ((dot(shade.normal, shade.out) >= 0) != front) shade.normal = p.geometric;
+            } else {
+                if (!front) p.geometric = -p.geometric, p.shading = -p.shading;
+                shade.normal = seen_normal(p.shading, shade.out);
+            }
+            shade.frame = ShadingFrame(shade.normal);
+        }
+    }
+}
+
+void Shading::light_radiance(std::span<LightSample> lights, ShadingScratch& s) const {
+    if (!textures_) return;
+    // One light at a time: maps on emitters are rare, and a batch's samples mostly share one.
+    for (LightSample& light : lights) {
+        if (light.object == no_object || !(light.density > 0)) continue;
+        const Material& mat = material(light.object);
+        if (!mat.emission_map.used()) continue;
+        const std::uint64_t start = now_ns();
+        const Object& object = rays_.objects()[light.object];
+        const SurfacePoint p = surface_at(object, light.primitive, light.u, light.v, 0);
+        const Vec2 uv = place(mat.emission_map, p.uv);
+        const float width = 0, half = 0.5f;
+        float rgba[4];
+        textures_->lookup(mat.emission_map.file, mat.emission_map.wrap_u, mat.emission_map.wrap_v, {&uv, 1},
+                          {&width, 1}, {&half, 1}, rgba);
+        light.radiance = light.radiance * Vec3{rgba[0], rgba[1], rgba[2]};
+        s.texture_ns += now_ns() - start;
+        ++s.lookups;
+    }
+}
+
+// Opacity of masked hits, material by material; `hits` is sorted by material.
+void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits, std::span<const float> spread,
+                        ShadingScratch& s) const {
+    const auto& objects = rays_.objects();
+    s.opacity.resize(hits.size());
+    s.error.resize(hits.size());
+    for (size_t begin = 0; begin < hits.size();) {
+        const Material& mat = material(rays.object[hits[begin]]);
+        size_t end = begin;
+        while (end < hits.size() && &material(rays.object[hits[end]]) == &mat) ++end;
+        const size_t n = end - begin;
+        s.uv.resize(n), s.width.resize(n), s.random.assign(n, 0.5f), s.rgba.resize(4 * n);
+        for (size_t i = 0; i < n; ++i) {
+            const std::uint32_t k = hits[begin + i];
+            const SurfacePoint p =
+                surface_at(objects[rays.object[k]], rays.primitive[k], rays.u[k], rays.v[k], rays.time[k]);
+            s.uv[i] = place(mat.alpha_map, p.uv);
+            s.width[i] = spread[k] * rays.distance[k] * uv_density(p) *
+                         std::sqrt(std::fabs(mat.alpha_map.scale.x * mat.alpha_map.scale.y));
+            s.error[begin + i] = p.error;
+            s.opacity[begin + i] = mat.opacity;
+        }
+        if (mat.alpha_map.used() && textures_) {
+            const std::uint64_t start = now_ns();
+            textures_->lookup(mat.alpha_map.file, mat.alpha_map.wrap_u, mat.alpha_map.wrap_v, s.uv, s.width, s.random,
+                              s.rgba);
+            const bool numbers = !rays_.scene().textures[size_t(mat.alpha_map.file)].color &&
+                                 !textures_->has_alpha(mat.alpha_map.file);
+            for (size_t i = 0; i < n; ++i) s.opacity[begin + i] *= s.rgba[4 * i + (numbers ? 0 : 3)];
+            s.texture_ns += now_ns() - start;
+            s.lookups += n;
+        }
+        begin = end;
+    }
+}
+
+void Shading::pass_cutouts(Rays& rays, size_t n, std::span<const float> spread, std::span<const std::uint64_t> keys,
+                           ShadingScratch& s) const {
+    const auto& objects = rays_.objects();
+    s.order.clear();
+    for (std::uint32_t k = 0; k < n; ++k)
+        if (rays.object[k] != no_object && objects[rays.object[k]].masked) s.order.push_back(k);
+    constexpr std::uint64_t most_layers = 1024;  // then what is there counts as solid
+    for (std::uint64_t layer = 0; layer < most_layers && !s.order.empty(); ++layer) {
+        std::stable_sort(s.order.begin(), s.order.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return objects[rays.object[a]].material < objects[rays.object[b]].material;
+        });
+        opacities(rays, s.order, spread, s);
+        size_t kept = 0;
+        for (size_t i = 0; i < s.order.size(); ++i) {
+            const std::uint32_t k = s.order[i];
+            const Material& mat = material(rays.object[k]);
+            const float least = mat.alpha == Material::Alpha::mask ? mat.alpha_cutoff
+                                                                   : unit_float(mix(keys[k] + layer)) + 1e-9f;
+            if (s.opacity[i] >= least) continue;
+            rays.near[k] = rays.distance[k] + 2 * s.error[i] + 1e-6f * rays.distance[k];
+            rays_.intersect(rays, k, k + 1);
+            if (rays.object[k] != no_object && objects[rays.object[k]].masked) s.order[kept++] = k;
+        }
+        s.order.resize(kept);
+    }
+}
+
+}  // namespace weft::render
