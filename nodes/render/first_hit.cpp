@@ -13,17 +13,20 @@ struct ScreenMotion {
     float deviation = 0;
 };
 ScreenMotion motion_between(const Camera& camera, Vec3 begin, Vec3 end, Vec3 now, float time) {
-    const Vec3 p0 = camera.homogeneous(begin), p1 = camera.homogeneous(end), p = camera.homogeneous(now);
+    const Vec3 p0 = camera.homogeneous(begin), p1 = camera.homogeneous(end),
+               p = camera.homogeneous(now);
     ScreenMotion out{p1 - p0};
     const Vec3 line = p0 + out.chord * time;
-    if (line.z > 0 && p.z > 0) out.deviation = std::hypot(line.x / line.z - p.x / p.z, line.y / line.z - p.y / p.z);
+    if (line.z > 0 && p.z > 0)
+        out.deviation = std::hypot(line.x / line.z - p.x / p.z, line.y / line.z - p.y / p.z);
     return out;
 }
 
 }  // namespace
 
-float write_first_hits(const RayScene& rays, const Camera& camera, const ChannelSet& channels, const Rays& hits,
-                       const std::vector<Shade>& shades, size_t n, SampleBatch& out) {
+float write_first_hits(const RayScene& rays, const Camera& camera, const ChannelSet& channels,
+                       const Rays& hits, const std::vector<Shade>& shades, size_t n,
+                       SampleBatch& out) {
     using C = ChannelId;
     float deviation = 0;
     const auto wants = [&](C c) { return channels.has(c); };
@@ -36,9 +39,11 @@ float write_first_hits(const RayScene& rays, const Camera& camera, const Channel
             if (wants(C::motion) && camera.moving()) {
                 const Vec3 d = hits.direction(k);
                 const float scale = 1 / camera.direction_to_camera(d, time).z;
-                out.set(C::motion, k, motion_between(camera, camera.direction_to_camera(d, 0) * scale,
-                                                     camera.direction_to_camera(d, 1) * scale,
-                                                     camera.direction_to_camera(d, time) * scale, time).chord);
+                out.set(C::motion, k,
+                        motion_between(camera, camera.direction_to_camera(d, 0) * scale,
+                                       camera.direction_to_camera(d, 1) * scale,
+                                       camera.direction_to_camera(d, time) * scale, time)
+                            .chord);
             }
             continue;
         }
@@ -51,16 +56,17 @@ float write_first_hits(const RayScene& rays, const Camera& camera, const Channel
             const auto at = [&](float t) {
                 return position_at(object, hits.primitive[k], hits.u[k], hits.v[k], t);
             };
-            const ScreenMotion m = motion_between(camera, camera.to_camera(at(0), 0), camera.to_camera(at(1), 1),
-                                                  camera.to_camera(p.position, time), time);
+            const ScreenMotion m =
+                motion_between(camera, camera.to_camera(at(0), 0), camera.to_camera(at(1), 1),
+                               camera.to_camera(p.position, time), time);
             out.set(C::motion, k, m.chord);
             deviation = std::max(deviation, m.deviation);
         }
         if (wants(C::z_gradient)) {
-            const float* xy = wants(C::xy) ? out.at(C::xy, k) : nullptr;
+            const float* xy = out.at(C::xy, k);
             const float* uv = wants(C::uv) ? out.at(C::uv, k) : nullptr;
-            const Vec2 g = camera.depth_gradient(xy[0], xy[1], uv ? uv[0] : 0, uv ? uv[1] : 0, time, p.position,
-                                                 p.geometric);
+            const Vec2 g = camera.depth_gradient(xy[0], xy[1], uv ? uv[0] : 0, uv ? uv[1] : 0, time,
+                                                 p.position, p.geometric);
             float* to = out.at(C::z_gradient, k);
             to[0] = g.x, to[1] = g.y;
         }
@@ -70,16 +76,20 @@ float write_first_hits(const RayScene& rays, const Camera& camera, const Channel
         if (wants(C::albedo)) out.set(C::albedo, k, shade.albedo);
         if (wants(C::roughness)) *out.at(C::roughness, k) = shade.roughness;
         if (wants(C::emission)) out.set(C::emission, k, shade.emission);
-        if (wants(C::id)) out.ids[size_t(C::id)][k] = object.light >= 0 ? 0x80000000u | unsigned(object.light) : object.id;
+        if (wants(C::id))
+            out.ids[size_t(C::id)][k] =
+                object.light >= 0 ? 0x80000000u | unsigned(object.light) : object.id;
         if (wants(C::light_index)) out.ids[size_t(C::light_index)][k] = no_object;
     }
     return deviation;
 }
 
-void write_second_hits(const ChannelSet& channels, const Rays& hits, const std::vector<Shade>& shades,
-                       std::span<const std::uint32_t> sample, SampleBatch& out) {
+void write_second_hits(const ChannelSet& channels, const Rays& hits,
+                       const std::vector<Shade>& shades, std::span<const std::uint32_t> sample,
+                       SampleBatch& out) {
     using C = ChannelId;
-    if (!channels.has(C::position2) && !channels.has(C::normal2) && !channels.has(C::albedo2)) return;
+    if (!channels.has(C::position2) && !channels.has(C::normal2) && !channels.has(C::albedo2))
+        return;
     for (size_t k = 0; k < sample.size(); ++k) {
         if (hits.object[k] == no_object) continue;
         if (channels.has(C::position2)) out.set(C::position2, sample[k], shades[k].point.position);
@@ -88,17 +98,20 @@ void write_second_hits(const ChannelSet& channels, const Rays& hits, const std::
     }
 }
 
-void write_shadow_hit(const RayScene& rays, const SurfacePoint& point, Vec3 start, const LightSample& light,
-                      float time, const ChannelSet& channels, Rays& probe, SampleBatch& out, size_t i) {
+void write_shadow_hit(const RayScene& rays, const SurfacePoint& point, Vec3 start,
+                      const LightSample& light, float time, const ChannelSet& channels, Rays& probe,
+                      SampleBatch& out, size_t i) {
     using C = ChannelId;
-    const float far = std::isinf(light.distance) ? 2 * rays.radius() + length(start - rays.center()) : light.distance;
-    probe.set(0, start + light.direction * far, -light.direction, far * 1e-4f, far * (1 - 1e-5f), time,
-              solid_mask | cutout_mask);
+    const float far = std::isinf(light.distance) ? 2 * rays.radius() + length(start - rays.center())
+                                                 : light.distance;
+    probe.set(0, start + light.direction * far, -light.direction, far * 1e-4f, far * (1 - 1e-5f),
+              time, solid_mask | cutout_mask);
     rays.intersect(probe, 0, 1);
     Vec3 position = point.position, normal = point.geometric, motion{};
     if (probe.object[0] != no_object) {
         const Object& object = rays.objects()[probe.object[0]];
-        const SurfacePoint seen = surface_at(object, probe.primitive[0], probe.u[0], probe.v[0], time);
+        const SurfacePoint seen =
+            surface_at(object, probe.primitive[0], probe.u[0], probe.v[0], time);
         position = seen.position;
         normal = dot(seen.geometric, light.direction) >= 0 ? seen.geometric : -seen.geometric;
         if (object.moving())

@@ -17,15 +17,21 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Pairs of numbers: lens, film, (time, choice of light), then for each vertex of the path.
 enum Pair : std::uint32_t { lens_pair, film_pair, time_pair, vertex_pairs };
-enum VertexPair : std::uint32_t { light_pair, bounce_pair, choice_pair, chance_pair, pairs_a_vertex };
+enum VertexPair : std::uint32_t {
+    light_pair,
+    bounce_pair,
+    choice_pair,
+    chance_pair,
+    pairs_a_vertex
+};
 std::uint32_t pair_of(int depth, VertexPair pair) {
     return vertex_pairs + std::uint32_t(depth) * pairs_a_vertex + pair;
 }
 
 enum Flag : std::uint8_t {
-    straight = 1,    // only mirrored or refracted so far: sees what the camera sees
-    unsampled = 2,   // lights that could have been sampled have been, with full weight
-    was_delta = 4,   // the last bounce had no density: lights are seen by it alone
+    straight = 1,   // only mirrored or refracted so far: sees what the camera sees
+    unsampled = 2,  // lights that could have been sampled have been, with full weight
+    was_delta = 4,  // the last bounce had no density: lights are seen by it alone
 };
 
 std::uint64_t now_ns() {
@@ -41,7 +47,8 @@ struct Clock {
 bool finite_color(Vec3 c) {
     return finite(c);
 }
-// Veach's power heuristic, beta = 2: the weight of a sample of density p where q could have made it.
+// Veach's power heuristic, beta = 2: the weight of a sample of density p where q could have made
+// it.
 float power_weight(float p, float q) {
     if (!(p < 1e18f)) return 1;  // squares would overflow; q is negligible
     const float p2 = p * p;
@@ -61,7 +68,10 @@ struct PathTracer::Pass {
 
     const RenderOptions& options() const { return tracer.options_; }
     const RayScene& scene_rays() const { return tracer.rays_; }
-    int max_depth() const { return options().mode == Mode::direct ? std::min(options().max_depth, 1) : options().max_depth; }
+    int max_depth() const {
+        return options().mode == Mode::direct ? std::min(options().max_depth, 1)
+                                              : options().max_depth;
+    }
     bool wants(ChannelId c) const { return options().channels.has(c); }
 
     void run();
@@ -94,8 +104,10 @@ void PathTracer::Pass::start_paths() {
     const float spread = camera.pixel_spread();
     size_t i = 0;
     for (const PixelRun& run : runs) {
-        const SampleSequence sequence = sample_sequence(options().sampler, options().seed, run.x, run.y, run.spp);
-        const float last_x = std::nextafter(float(run.x + 1), 0.0f), last_y = std::nextafter(float(run.y + 1), 0.0f);
+        const SampleSequence sequence =
+            sample_sequence(options().sampler, options().seed, run.x, run.y, run.spp);
+        const float last_x = std::nextafter(float(run.x + 1), 0.0f),
+                    last_y = std::nextafter(float(run.y + 1), 0.0f);
         for (std::uint32_t s = 0; s < run.count; ++s, ++i) {
             const std::uint32_t index = run.first + s;
             const Disk film = sequence(index, film_pair), time = sequence(index, time_pair);
@@ -105,7 +117,8 @@ void PathTracer::Pass::start_paths() {
                 const auto uv = on_lens(on.u, on.v, lens);
                 u = uv[0], v = uv[1];
             }
-            const float x = std::min(float(run.x) + film.u, last_x), y = std::min(float(run.y) + film.v, last_y);
+            const float x = std::min(float(run.x) + film.u, last_x),
+                        y = std::min(float(run.y) + film.v, last_y);
             const float t = camera.shutter().time(time.u);
             const Camera::Ray ray = camera.ray(x, y, u, v, t);
             w.rays.set(i, ray.origin, ray.direction, 0, infinity, t, every_mask);
@@ -123,8 +136,10 @@ void PathTracer::Pass::start_paths() {
             w.spread[i] = spread;
             w.from[i] = ray.origin;
             w.key[i] = mix(sequence.key + index);
-            if (wants(ChannelId::xy)) out.at(ChannelId::xy, i)[0] = x, out.at(ChannelId::xy, i)[1] = y;
-            if (wants(ChannelId::uv)) out.at(ChannelId::uv, i)[0] = u, out.at(ChannelId::uv, i)[1] = v;
+            if (wants(ChannelId::xy))
+                out.at(ChannelId::xy, i)[0] = x, out.at(ChannelId::xy, i)[1] = y;
+            if (wants(ChannelId::uv))
+                out.at(ChannelId::uv, i)[0] = u, out.at(ChannelId::uv, i)[1] = v;
             if (wants(ChannelId::t)) *out.at(ChannelId::t, i) = t;
         }
     }
@@ -141,8 +156,10 @@ void PathTracer::Pass::trace_camera() {
     }
     size_t i = 0;
     for (const PixelRun& run : runs) {
-        if (run.count >= samples_in_packet / 2) scene_rays().intersect_packet(w.rays, i, i + run.count);
-        else scene_rays().intersect(w.rays, i, i + run.count);
+        if (run.count >= samples_in_packet / 2)
+            scene_rays().intersect_packet(w.rays, i, i + run.count);
+        else
+            scene_rays().intersect(w.rays, i, i + run.count);
         i += run.count;
     }
 }
@@ -186,10 +203,12 @@ void PathTracer::Pass::see_emission(int depth) {
             light = w.shading.shades[k].emission;
             if (light == Vec3{}) continue;
             if (!(w.flags[k] & was_delta)) {
-                const float other = tracer.lights_.density(w.from[k], w.rays.time[k], object, w.rays.primitive[k],
-                                                           w.rays.u[k], w.rays.v[k]);
+                const float other =
+                    tracer.lights_.density(w.from[k], w.rays.time[k], object, w.rays.primitive[k],
+                                           w.rays.u[k], w.rays.v[k]);
                 if (other > 0)
-                    light = light * ((w.flags[k] & unsampled) ? 0 : power_weight(w.density[k], other));
+                    light =
+                        light * ((w.flags[k] & unsampled) ? 0 : power_weight(w.density[k], other));
             }
         }
         light = light * w.throughput[k];
@@ -207,7 +226,8 @@ void PathTracer::Pass::sample_lights(int depth) {
     w.shadows.size = 0;
     if (lights.empty()) return;
     const bool first = depth == 0;
-    const bool alone = first && wants(ChannelId::direct_unshadowed);  // no weight with the BSDF's samples
+    const bool alone =
+        first && wants(ChannelId::direct_unshadowed);  // no weight with the BSDF's samples
     for (size_t k = 0; k < alive; ++k) {
         w.light[k].density = 0;
         const std::uint32_t i = w.sample[k];
@@ -219,13 +239,16 @@ void PathTracer::Pass::sample_lights(int depth) {
         w.light[k] = lights.sample(shade.point.position, w.rays.time[k], choice, point.u, point.v);
         LightSample& light = w.light[k];
         if (first && wants(ChannelId::light_uv))
-            out.at(ChannelId::light_uv, i)[0] = point.u, out.at(ChannelId::light_uv, i)[1] = point.v;
-        if (first && wants(ChannelId::light_index)) out.ids[size_t(ChannelId::light_index)][i] = light.light;
+            out.at(ChannelId::light_uv, i)[0] = point.u,
+                                        out.at(ChannelId::light_uv, i)[1] = point.v;
+        if (first && wants(ChannelId::light_index))
+            out.ids[size_t(ChannelId::light_index)][i] = light.light;
         if (!(light.density > 0) || shade.bsdf.delta()) {
             light.density = 0;
             continue;
         }
-        const Vec3 to_out = shade.frame.to_local(shade.out), to_light = shade.frame.to_local(light.direction);
+        const Vec3 to_out = shade.frame.to_local(shade.out),
+                   to_light = shade.frame.to_local(light.direction);
         // Light must come through the true surface where it does through the shading normal's.
         const bool same_side = (dot(shade.point.geometric, light.direction) > 0) ==
                                (dot(shade.point.geometric, shade.out) > 0);
@@ -259,18 +282,22 @@ void PathTracer::Pass::sample_lights(int depth) {
             const Vec3 all = diffuse + specular;
             to[0] += all.x, to[1] += all.y, to[2] += all.z;
         }
-        const Vec3 start = offset_origin(shade.point.position, shade.point.geometric, shade.point.error, light.direction);
+        const Vec3 start = offset_origin(shade.point.position, shade.point.geometric,
+                                         shade.point.error, light.direction);
         const float reach = std::isinf(light.distance)
                                 ? infinity
                                 : light.distance * (1 - 1e-4f) - 2 * shade.point.error;
         const size_t q = queue.size++;
-        queue.rays.set(q, start, light.direction, 0, reach, w.rays.time[k], solid_mask | light_mask);
+        queue.rays.set(q, start, light.direction, 0, reach, w.rays.time[k],
+                       solid_mask | light_mask);
         queue.sample[q] = i;
         queue.diffuse[q] = diffuse;
         queue.specular[q] = specular;
         queue.key[q] = mix(w.key[k] ^ 0x5368'6164'6f77ull);
-        if (first && (wants(ChannelId::shadow_hit) || wants(ChannelId::shadow_normal) || wants(ChannelId::shadow_motion)))
-            write_shadow_hit(scene_rays(), shade.point, start, light, w.rays.time[k], options().channels, w.probe, out, i);
+        if (first && (wants(ChannelId::shadow_hit) || wants(ChannelId::shadow_normal) ||
+                      wants(ChannelId::shadow_motion)))
+            write_shadow_hit(scene_rays(), shade.point, start, light, w.rays.time[k],
+                             options().channels, w.probe, out, i);
     }
 }
 
@@ -281,7 +308,8 @@ void PathTracer::Pass::trace_shadows(int depth) {
     scene_rays().occluded(queue.rays, 0, queue.size);
     if (!scene_rays().has_cutouts()) {
         for (size_t q = 0; q < queue.size; ++q)
-            if (queue.rays.object[q] == no_object) add(queue.sample[q], depth + 1, queue.diffuse[q], queue.specular[q]);
+            if (queue.rays.object[q] == no_object)
+                add(queue.sample[q], depth + 1, queue.diffuse[q], queue.specular[q]);
         return;
     }
     // Of those that no solid thing stops: what has holes.
@@ -298,7 +326,8 @@ void PathTracer::Pass::trace_shadows(int depth) {
     scene_rays().intersect(r, 0, kept);
     tracer.shading_.pass_cutouts(r, kept, w.spread, queue.key, w.shading);
     for (size_t q = 0; q < kept; ++q)
-        if (r.object[q] == no_object) add(queue.sample[q], depth + 1, queue.diffuse[q], queue.specular[q]);
+        if (r.object[q] == no_object)
+            add(queue.sample[q], depth + 1, queue.diffuse[q], queue.specular[q]);
 }
 
 void PathTracer::Pass::bounce(int depth) {
@@ -309,11 +338,13 @@ void PathTracer::Pass::bounce(int depth) {
         const Shade& shade = w.shading.shades[k];
         const Disk direction = w.sequence[i](w.index[i], pair_of(depth, bounce_pair));
         const Disk choice = w.sequence[i](w.index[i], pair_of(depth, choice_pair));
-        const BsdfSample s = shade.bsdf.sample(shade.frame.to_local(shade.out), choice.u, direction.u, direction.v);
+        const BsdfSample s =
+            shade.bsdf.sample(shade.frame.to_local(shade.out), choice.u, direction.u, direction.v);
         if (!(s.value.density > 0)) continue;
         const Vec3 in = unit(shade.frame.to_world(s.in));
         if (depth == 0 && wants(ChannelId::bounce)) out.set(ChannelId::bounce, i, in);
-        const bool same_side = (dot(shade.point.geometric, in) > 0) == (dot(shade.point.geometric, shade.out) > 0);
+        const bool same_side =
+            (dot(shade.point.geometric, in) > 0) == (dot(shade.point.geometric, shade.out) > 0);
         if (same_side == s.through) continue;
         const Vec3 value = s.value.sum();
         Vec3 throughput = w.throughput[k] * value * (1 / s.value.density);
@@ -334,18 +365,23 @@ void PathTracer::Pass::bounce(int depth) {
         }
         w.next_density[m] = s.value.density;
         std::uint8_t flags = 0;
-        if (s.delta) flags = was_delta | (w.flags[k] & straight);
-        else if (depth == 0 && wants(ChannelId::direct_unshadowed)) flags = unsampled;
+        if (s.delta)
+            flags = was_delta | (w.flags[k] & straight);
+        else if (depth == 0 && wants(ChannelId::direct_unshadowed))
+            flags = unsampled;
         w.next_flags[m] = flags;
         w.next_width[m] = w.footprint[k];
         // A rough surface sees in a wide cone: its light needs no fine texture.
         const float rough = shade.roughness * shade.roughness;
         w.next_spread[m] = s.delta ? w.spread[k] : w.spread[k] + 0.25f * rough;
         w.next_from[m] = shade.point.position;
-        w.next_rays.set(m, offset_origin(shade.point.position, shade.point.geometric, shade.point.error, in), in, 0,
-                        infinity, w.rays.time[k], every_mask);
+        w.next_rays.set(
+            m, offset_origin(shade.point.position, shade.point.geometric, shade.point.error, in),
+            in, 0, infinity, w.rays.time[k], every_mask);
     }
-    for (size_t m = 0; m < next; ++m) w.key[m] = mix(w.sequence[w.next_sample[m]].key + w.index[w.next_sample[m]] + (std::uint64_t(depth + 1) << 40));
+    for (size_t m = 0; m < next; ++m)
+        w.key[m] = mix(w.sequence[w.next_sample[m]].key + w.index[w.next_sample[m]] +
+                       (std::uint64_t(depth + 1) << 40));
     std::swap(w.sample, w.next_sample);
     std::swap(w.throughput, w.next_throughput);
     std::swap(w.lobe, w.next_lobe);
@@ -372,11 +408,13 @@ void PathTracer::Pass::occlusion() {
         const Shade& shade = w.shading.shades[k];
         const Disk d = w.sequence[i](w.index[i], pair_of(0, bounce_pair));
         const bool front = dot(shade.normal, shade.out) > 0;
-        const Vec3 local = cosine_direction(d.u, d.v), in = shade.frame.to_world(front ? local : -local);
+        const Vec3 local = cosine_direction(d.u, d.v),
+                   in = shade.frame.to_world(front ? local : -local);
         if (wants(ChannelId::bounce)) out.set(ChannelId::bounce, i, in);
         const size_t q = queue.size++;
-        queue.rays.set(q, offset_origin(shade.point.position, shade.point.geometric, shade.point.error, in), in, 0,
-                       reach, w.rays.time[k], solid_mask);
+        queue.rays.set(
+            q, offset_origin(shade.point.position, shade.point.geometric, shade.point.error, in),
+            in, 0, reach, w.rays.time[k], solid_mask);
         queue.sample[q] = i;
         queue.diffuse[q] = white;
         queue.specular[q] = {};
@@ -406,9 +444,12 @@ void PathTracer::Pass::run() {
     for (int depth = 0;; ++depth) {
         shade();
         if (depth == 0)
-            w.deviation = std::max(w.deviation, write_first_hits(scene_rays(), tracer.camera_, options().channels,
-                                                                 w.rays, w.shading.shades, n, out));
-        if (depth == 1) write_second_hits(options().channels, w.rays, w.shading.shades, {w.sample.data(), alive}, out);
+            w.deviation = std::max(
+                w.deviation, write_first_hits(scene_rays(), tracer.camera_, options().channels,
+                                              w.rays, w.shading.shades, n, out));
+        if (depth == 1)
+            write_second_hits(options().channels, w.rays, w.shading.shades,
+                              {w.sample.data(), alive}, out);
         if (options().mode == Mode::ambient_occlusion) {
             occlusion();
             break;
@@ -444,12 +485,14 @@ RenderStatistics& PathTracer::statistics(PathWorkspace& workspace) {
     return workspace.statistics;
 }
 
-void PathTracer::render(std::span<const PixelRun> runs, PathWorkspace& workspace, SampleBatch& out) const {
+void PathTracer::render(std::span<const PixelRun> runs, PathWorkspace& workspace,
+                        SampleBatch& out) const {
     Pass pass{*this, runs, workspace, out};
     pass.run();
     // Largest of all, whatever the order.
     float seen = deviation_.load();
-    while (workspace.deviation > seen && !deviation_.compare_exchange_weak(seen, workspace.deviation)) {
+    while (workspace.deviation > seen &&
+           !deviation_.compare_exchange_weak(seen, workspace.deviation)) {
     }
 }
 

@@ -3,9 +3,10 @@
 //               shading, shadow rays; arrays are a worker's own and are kept, so that the steady
 //               state allocates nothing
 //   repeatable  a sample is a function of (scene, options, pixel, its number) and of nothing else:
-//               neither batches nor tiles nor threads change a bit. Camera rays go in packets of one
-//               pixel's samples, 16 k to 16 k + 15.
-// Sources: Kajiya 1986; Veach 1997 (multiple importance sampling, power heuristic; Russian roulette).
+//               neither batches nor tiles nor threads change a bit. Camera rays go in packets of
+//               one pixel's samples, 16 k to 16 k + 15.
+// Sources: Kajiya 1986; Veach 1997 (multiple importance sampling, power heuristic; Russian
+// roulette).
 #pragma once
 #include <atomic>
 #include <memory>
@@ -22,8 +23,8 @@ enum class Mode { path, direct, ambient_occlusion };
 struct RenderOptions {
     int width = 640, height = 360;
     Mode mode = Mode::path;
-    int max_depth = 8;         // bounces: 0 emission alone, 1 direct light
-    int roulette_depth = 3;    // bounces before paths may end by chance
+    int max_depth = 8;             // bounces: 0 emission alone, 1 direct light
+    int roulette_depth = 3;        // bounces before paths may end by chance
     float occlusion_distance = 0;  // ambient_occlusion: how far a ray looks; 0: everywhere
     Sampler sampler = Sampler::sobol;
     std::uint64_t seed = 1;

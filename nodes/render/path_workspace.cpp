@@ -11,11 +11,11 @@ void ShadowQueue::resize(size_t n) {
 void PathWorkspace::resize(size_t n) {
     if (n <= sample.size()) return;
     sequence.resize(n), index.resize(n);
-    for (auto* a : {&time, &light_choice, &density, &next_density, &width, &next_width, &spread, &next_spread,
-                    &footprint, &random})
+    for (auto* a : {&time, &light_choice, &density, &next_density, &width, &next_width, &spread,
+                    &next_spread, &footprint, &random})
         a->resize(n);
-    for (auto* a : {&radiance, &diffuse, &specular, &direct, &throughput, &next_throughput, &lobe, &next_lobe, &from,
-                    &next_from})
+    for (auto* a : {&radiance, &diffuse, &specular, &direct, &throughput, &next_throughput, &lobe,
+                    &next_lobe, &from, &next_from})
         a->resize(n);
     sample.resize(n), next_sample.resize(n);
     flags.resize(n), next_flags.resize(n);

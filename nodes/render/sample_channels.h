@@ -12,12 +12,34 @@
 namespace weft::render {
 
 enum class ChannelId {
-    xy, uv, t, z, motion, z_gradient, rgb, alpha,
-    position, normal, geometric_normal, albedo, roughness, emission, id,
-    direct, direct_unshadowed, diffuse, specular,
-    light_uv, light_index, bounce,
-    position2, normal2, albedo2,
-    shadow_hit, shadow_normal, shadow_motion,
+    xy,
+    uv,
+    t,
+    z,
+    motion,
+    z_gradient,
+    rgb,
+    alpha,
+    position,
+    normal,
+    geometric_normal,
+    albedo,
+    roughness,
+    emission,
+    id,
+    direct,
+    direct_unshadowed,
+    diffuse,
+    specular,
+    light_uv,
+    light_index,
+    bounce,
+    position2,
+    normal2,
+    albedo2,
+    shadow_hit,
+    shadow_normal,
+    shadow_motion,
 };
 inline constexpr size_t channel_count = size_t(ChannelId::shadow_motion) + 1;
 
@@ -40,8 +62,8 @@ class ChannelSet {
     std::array<bool, channel_count> wanted_{};
 };
 
-// From names; "basic": xy, z, rgb, alpha, with a lens uv, with motion t, motion; "all": everything.
-// Throws Error naming one that is none, with those there are.
+// From names; xy and rgb are always among them. "basic": xy, z, rgb, alpha, with a lens uv, with
+// motion t, motion; "all": everything. Throws Error naming one that is none, with those there are.
 ChannelSet channel_set(std::span<const std::string> names, bool lens, bool motion);
 
 // Values of a batch's samples, channel by channel; memory is kept from batch to batch.
@@ -52,7 +74,9 @@ struct SampleBatch {
 
     // Makes room; everything is 0.
     void reset(const ChannelSet& channels, size_t samples);
-    float* at(ChannelId c, size_t i) { return &values[size_t(c)][i * size_t(info_of(c).components)]; }
+    float* at(ChannelId c, size_t i) {
+        return &values[size_t(c)][i * size_t(info_of(c).components)];
+    }
     const float* at(ChannelId c, size_t i) const {
         return &values[size_t(c)][i * size_t(info_of(c).components)];
     }

@@ -27,7 +27,8 @@ Vec3 seen_normal(Vec3 normal, Vec3 out) {
 
 Vec3 mapped_normal(const SurfacePoint& p, Vec3 normal, const float* rgba, float scale) {
     const float x = (2 * rgba[0] - 1) * scale, y = (2 * rgba[1] - 1) * scale, z = 2 * rgba[2] - 1;
-    // Tangents along the texture's axes, made square to the normal; +y is up the picture, against v.
+    // Tangents along the texture's axes, made square to the normal; +y is up the picture, against
+    // v.
     Vec3 t = p.along_u - normal * dot(p.along_u, normal);
     const float l = length(t);
     if (!(l > 0)) return normal;
@@ -41,8 +42,9 @@ Vec3 mapped_normal(const SurfacePoint& p, Vec3 normal, const float* rgba, float 
 
 }  // namespace
 
-void Shading::look_up(const TextureMap& map, std::span<const std::uint32_t> hits, std::span<const float> footprint,
-                      std::span<const float> random, ShadingScratch& s) const {
+void Shading::look_up(const TextureMap& map, std::span<const std::uint32_t> hits,
+                      std::span<const float> footprint, std::span<const float> random,
+                      ShadingScratch& s) const {
     const std::uint64_t start = now_ns();
     const size_t n = hits.size();
     s.uv.resize(n), s.width.resize(n), s.random.resize(n), s.rgba.resize(4 * n);
@@ -58,8 +60,8 @@ void Shading::look_up(const TextureMap& map, std::span<const std::uint32_t> hits
     s.texture_ns += now_ns() - start;
 }
 
-void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint, std::span<const float> random,
-                    ShadingScratch& s) const {
+void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint,
+                    std::span<const float> random, ShadingScratch& s) const {
     const Scene& scene = rays_.scene();
     const auto& objects = rays_.objects();
     if (s.shades.size() < n) s.shades.resize(n);
@@ -69,7 +71,8 @@ void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint
         const std::uint32_t object = hits.object[k];
         if (object == no_object) continue;
         Shade& shade = s.shades[k];
-        shade.point = surface_at(objects[object], hits.primitive[k], hits.u[k], hits.v[k], hits.time[k]);
+        shade.point =
+            surface_at(objects[object], hits.primitive[k], hits.u[k], hits.v[k], hits.time[k]);
         shade.out = -hits.direction(k);
         shade.light = objects[object].light >= 0;
         if (shade.light) {
@@ -114,16 +117,17 @@ void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint
             shade.emission = shade.emission * Vec3{c[0], c[1], c[2]};
         });
         mapped(mat.normal_map, [&](Shade& shade, const float* c, size_t) {
-            shade.point.shading = mapped_normal(shade.point, shade.point.shading, c, mat.normal_scale);
+            shade.point.shading =
+                mapped_normal(shade.point, shade.point.shading, c, mat.normal_scale);
         });
         const bool has_metal_map = mat.metallic_roughness_map.used() && textures_;
-        mapped(mat.metallic_roughness_map, [&](Shade& shade, const float* c, size_t) {
-            shade.roughness *= c[1];
-        });
+        mapped(mat.metallic_roughness_map,
+               [&](Shade& shade, const float* c, size_t) { shade.roughness *= c[1]; });
         for (size_t i = 0; i < group.size(); ++i) {
             Shade& shade = s.shades[group[i]];
             if (has_metal_map) metallic = mat.metallic * s.rgba[4 * i + 2];
-            shade.bsdf = make_bsdf(mat.kind, shade.albedo, metallic, shade.roughness, mat.ior, mat.transmission);
+            shade.bsdf = make_bsdf(mat.kind, shade.albedo, metallic, shade.roughness, mat.ior,
+                                   mat.transmission);
             SurfacePoint& p = shade.point;
             const bool front = dot(p.geometric, shade.out) >= 0;
             if (!front && !mat.two_sided) shade.emission = {};
@@ -152,8 +156,8 @@ void Shading::light_radiance(std::span<LightSample> lights, ShadingScratch& s) c
         const Vec2 uv = place(mat.emission_map, p.uv);
         const float width = 0, half = 0.5f;
         float rgba[4];
-        textures_->lookup(mat.emission_map.file, mat.emission_map.wrap_u, mat.emission_map.wrap_v, {&uv, 1},
-                          {&width, 1}, {&half, 1}, rgba);
+        textures_->lookup(mat.emission_map.file, mat.emission_map.wrap_u, mat.emission_map.wrap_v,
+                          {&uv, 1}, {&width, 1}, {&half, 1}, rgba);
         light.radiance = light.radiance * Vec3{rgba[0], rgba[1], rgba[2]};
         s.texture_ns += now_ns() - start;
         ++s.lookups;
@@ -161,8 +165,8 @@ void Shading::light_radiance(std::span<LightSample> lights, ShadingScratch& s) c
 }
 
 // Opacity of masked hits, material by material; `hits` is sorted by material.
-void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits, std::span<const float> spread,
-                        ShadingScratch& s) const {
+void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits,
+                        std::span<const float> spread, ShadingScratch& s) const {
     const auto& objects = rays_.objects();
     s.opacity.resize(hits.size());
     s.error.resize(hits.size());
@@ -174,8 +178,8 @@ void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits, s
         s.uv.resize(n), s.width.resize(n), s.random.assign(n, 0.5f), s.rgba.resize(4 * n);
         for (size_t i = 0; i < n; ++i) {
             const std::uint32_t k = hits[begin + i];
-            const SurfacePoint p =
-                surface_at(objects[rays.object[k]], rays.primitive[k], rays.u[k], rays.v[k], rays.time[k]);
+            const SurfacePoint p = surface_at(objects[rays.object[k]], rays.primitive[k], rays.u[k],
+                                              rays.v[k], rays.time[k]);
             s.uv[i] = place(mat.alpha_map, p.uv);
             s.width[i] = spread[k] * rays.distance[k] * uv_density(p) *
                          std::sqrt(std::fabs(mat.alpha_map.scale.x * mat.alpha_map.scale.y));
@@ -184,11 +188,12 @@ void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits, s
         }
         if (mat.alpha_map.used() && textures_) {
             const std::uint64_t start = now_ns();
-            textures_->lookup(mat.alpha_map.file, mat.alpha_map.wrap_u, mat.alpha_map.wrap_v, s.uv, s.width, s.random,
-                              s.rgba);
+            textures_->lookup(mat.alpha_map.file, mat.alpha_map.wrap_u, mat.alpha_map.wrap_v, s.uv,
+                              s.width, s.random, s.rgba);
             const bool numbers = !rays_.scene().textures[size_t(mat.alpha_map.file)].color &&
                                  !textures_->has_alpha(mat.alpha_map.file);
-            for (size_t i = 0; i < n; ++i) s.opacity[begin + i] *= s.rgba[4 * i + (numbers ? 0 : 3)];
+            for (size_t i = 0; i < n; ++i)
+                s.opacity[begin + i] *= s.rgba[4 * i + (numbers ? 0 : 3)];
             s.texture_ns += now_ns() - start;
             s.lookups += n;
         }
@@ -196,8 +201,8 @@ void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits, s
     }
 }
 
-void Shading::pass_cutouts(Rays& rays, size_t n, std::span<const float> spread, std::span<const std::uint64_t> keys,
-                           ShadingScratch& s) const {
+void Shading::pass_cutouts(Rays& rays, size_t n, std::span<const float> spread,
+                           std::span<const std::uint64_t> keys, ShadingScratch& s) const {
     const auto& objects = rays_.objects();
     s.order.clear();
     for (std::uint32_t k = 0; k < n; ++k)
@@ -212,8 +217,9 @@ void Shading::pass_cutouts(Rays& rays, size_t n, std::span<const float> spread, 
         for (size_t i = 0; i < s.order.size(); ++i) {
             const std::uint32_t k = s.order[i];
             const Material& mat = material(rays.object[k]);
-            const float least = mat.alpha == Material::Alpha::mask ? mat.alpha_cutoff
-                                                                   : unit_float(mix(keys[k] + layer)) + 1e-9f;
+            const float least = mat.alpha == Material::Alpha::mask
+                                    ? mat.alpha_cutoff
+                                    : unit_float(mix(keys[k] + layer)) + 1e-9f;
             if (s.opacity[i] >= least) continue;
             rays.near[k] = rays.distance[k] + 2 * s.error[i] + 1e-6f * rays.distance[k];
             rays_.intersect(rays, k, k + 1);

@@ -11,22 +11,22 @@ namespace weft::render {
 
 struct Shade {
     SurfacePoint point;
-    Vec3 out;             // unit, back along the ray
-    Vec3 normal;          // shading normal, maps included; see below
-    ShadingFrame frame;   // about `normal`
+    Vec3 out;            // unit, back along the ray
+    Vec3 normal;         // shading normal, maps included; see below
+    ShadingFrame frame;  // about `normal`
     Bsdf bsdf;
-    Vec3 emission;        // towards `out`
+    Vec3 emission;  // towards `out`
     Vec3 albedo;
     float roughness = 1;
-    bool light = false;   // a light's own surface: nothing is reflected
+    bool light = false;  // a light's own surface: nothing is reflected
     // `point.geometric` and `normal` lie on the side of `out`, but for materials with an inside,
     // where they point outwards.
 };
 
 // A worker's memory for one batch of hits.
 struct ShadingScratch {
-    std::vector<Shade> shades;               // of hits, where they have one
-    std::vector<std::uint32_t> order, count; // hits by material
+    std::vector<Shade> shades;                // of hits, where they have one
+    std::vector<std::uint32_t> order, count;  // hits by material
     std::vector<Vec2> uv;
     std::vector<float> width, random, rgba, opacity, error;
     std::uint64_t texture_ns = 0, lookups = 0;
@@ -39,24 +39,25 @@ class Shading {
 
     // Fills scratch.shades[k] for the hits k of [0, n). `footprint` in world units at the hit,
     // `random` in [0, 1).
-    void shade(const Rays& hits, size_t n, std::span<const float> footprint, std::span<const float> random,
-               ShadingScratch& scratch) const;
+    void shade(const Rays& hits, size_t n, std::span<const float> footprint,
+               std::span<const float> random, ShadingScratch& scratch) const;
 
     // Emission of a point of an emitting mesh drawn as a light, its map included. In place of
     // `radiance`: of the samples whose object is one with an emission map.
     void light_radiance(std::span<LightSample> lights, ShadingScratch& scratch) const;
 
     // Lets rays [0, n) pass where materials with cutouts are not there, tracing them on, until they
-    // hit something that is, or nothing. `spread`: footprint a unit of distance; `keys` choose where
-    // opacity is partial: one a ray, which no other ray of the picture has.
-    void pass_cutouts(Rays& rays, size_t n, std::span<const float> spread, std::span<const std::uint64_t> keys,
-                      ShadingScratch& scratch) const;
+    // hit something that is, or nothing. `spread`: footprint a unit of distance; `keys` choose
+    // where opacity is partial: one a ray, which no other ray of the picture has.
+    void pass_cutouts(Rays& rays, size_t n, std::span<const float> spread,
+                      std::span<const std::uint64_t> keys, ShadingScratch& scratch) const;
 
   private:
-    void look_up(const TextureMap& map, std::span<const std::uint32_t> hits, std::span<const float> footprint,
-                 std::span<const float> random, ShadingScratch& scratch) const;
-    void opacities(const Rays& rays, std::span<const std::uint32_t> hits, std::span<const float> spread,
-                   ShadingScratch& scratch) const;
+    void look_up(const TextureMap& map, std::span<const std::uint32_t> hits,
+                 std::span<const float> footprint, std::span<const float> random,
+                 ShadingScratch& scratch) const;
+    void opacities(const Rays& rays, std::span<const std::uint32_t> hits,
+                   std::span<const float> spread, ShadingScratch& scratch) const;
     const Material& material(std::uint32_t object) const {
         return rays_.scene().materials[size_t(rays_.objects()[object].material)];
     }
