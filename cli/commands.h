@@ -41,6 +41,15 @@ struct MergeCommand {
 };
 int merge(const MergeCommand& options);
 
+struct FarmCommand : GraphOptions {
+    int shards = 0;
+    std::string engine = "slurm", folder, isa, memory, partition;
+    std::vector<std::string> divide, slurm, nodes;  // nodes: --nodes
+    int tile = 32, threads = 0, at_once = 0;
+    bool dry_run = false, resume = false, follow = false, quiet = false;
+};
+int farm(const FarmCommand& options);
+
 struct CheckCommand {
     std::vector<std::string> graphs;
     Overrides overrides;

@@ -90,6 +90,17 @@ std::string part_name(const Graph& graph, const Shard& shard) {
     return out.replace_extension(fmt::format(".shard-{}-of-{}.part", shard.index, shard.count)).string();
 }
 
+std::string parameter_of_out(const PartHeader& header) {
+    if (header.files.empty()) throw Error(fmt::format("{}: writes no file; there is nothing to merge", header.graph_name));
+    if (header.files.count("out")) return "out";
+    if (header.files.size() == 1) return header.files.begin()->first;
+    std::vector<std::string> names;
+    for (const auto& [name, value] : header.files) names.push_back(name);
+    throw UsageError(fmt::format("{}: writes several files and none is called 'out', so it is not known which OUT is; give the graph a "
+                                 "parameter 'out' (it has {})",
+                                 header.graph_name, fmt::join(names, ", ")));
+}
+
 Status execute(const Plan& plan, Executor& executor, RunOptions run, const ExecuteOptions& options, RunResult& result) {
     run.stop = &interruption();
     catch_interruptions();

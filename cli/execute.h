@@ -20,6 +20,9 @@ std::string part_name(const Graph& graph, const Shard& shard);
 // Text of a graph parameter that names a file, or "".
 std::string file_parameter(const Graph& graph, const std::string& name);
 
+// The graph parameter that a merge's OUT stands for: 'out', or the only one that names a file to write.
+std::string parameter_of_out(const PartHeader& header);
+
 struct ExecuteOptions {
     bool quiet = false;
     std::string report, trace;

@@ -83,6 +83,30 @@ int dispatch(int argc, char** argv) {
     merge_command->add_flag("--quiet", merge.quiet, "no progress");
     on(merge_command, [&] { return cli::merge(merge); });
 
+    cli::FarmCommand farm;
+    CLI::App* farm_command = app.add_subcommand("farm", "run a graph in shards on many machines, and merge them");
+    farm_command->add_option("graph", farm.graph, "graph document (.json), or a picture that Weft wrote");
+    add_overrides(*farm_command, farm.overrides);
+    farm_command->add_option("--shards", farm.shards, "into how many parts the work is divided")->check(CLI::Range(1, 100000));
+    farm_command->add_option("--engine", farm.engine, "slurm (job arrays), or local (processes here)")->check(CLI::IsMember({"slurm", "local"}));
+    farm_command->add_option("--folder", farm.folder, "the job's: graph, script, parts, logs; default: beside the graph's 'out'");
+    farm_command->add_flag("--resume", farm.resume, "do only shards whose part is missing or of other input");
+    farm_command->add_flag("--follow", farm.follow, "show how the job in --folder goes, until it is done");
+    farm_command->add_flag("--dry-run", farm.dry_run, "check and plan; print the script and what would be submitted");
+    farm_command->add_option("--divide", farm.divide, "node whose work is divided; default: the last that can be")->allow_extra_args(false);
+    farm_command->add_option("--isa", farm.isa, "instruction set of all shards: v2, v3 or v4; default: the best of this machine");
+    farm_command->add_option("--tile", farm.tile, "tile side in pixels; changes no result")->check(CLI::Range(1, 65536));
+    farm_command->add_option("--threads", farm.threads, "of a shard; default: what the engine gives it")->check(CLI::Range(1, 4096));
+    farm_command->add_option("--memory", farm.memory, "refuse a plan that needs more, as in 8G");
+    farm_command->add_option("--at-once", farm.at_once, "local: shards that run at a time; default: 1")->check(CLI::Range(1, 4096));
+    farm_command->add_option("--partition", farm.partition, "slurm: where to");
+    farm_command->add_option("--slurm", farm.slurm, "slurm: a further argument to sbatch, as in --slurm=--time=2:00:00")->allow_extra_args(false);
+    farm_command->add_flag("--quiet", farm.quiet, "no progress");
+    on(farm_command, [&] {
+        farm.nodes = node_folders;
+        return cli::farm(farm);
+    });
+
     cli::CheckCommand check;
     CLI::App* check_command = app.add_subcommand("check", "all findings about graph documents");
     check_command->add_option("graphs", check.graphs, "graph documents")->required();

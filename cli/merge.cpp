@@ -8,22 +8,6 @@
 #include "runtime/shard.h"
 
 namespace weft::cli {
-namespace {
-
-// The graph parameter that OUT stands for: 'out', or the only one there is.
-std::string parameter_of_out(const PartHeader& header) {
-    if (header.files.empty()) throw Error(fmt::format("{}: writes no file; there is nothing to merge", header.graph_name));
-    if (header.files.count("out")) return "out";
-    if (header.files.size() == 1) return header.files.begin()->first;
-    std::vector<std::string> names;
-    for (const auto& [name, value] : header.files) names.push_back(name);
-    throw UsageError(fmt::format("{}: writes several files and none is called 'out', so it is not known which OUT is; give the graph a "
-                                 "parameter 'out' (it has {})",
-                                 header.graph_name, fmt::join(names, ", ")));
-}
-
-}  // namespace
-
 int merge(const MergeCommand& options) {
     const Parts parts(options.parts);
     const PartHeader& header = parts.header();

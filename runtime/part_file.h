@@ -46,7 +46,7 @@ struct PartHeader {
     std::string isa;
     Provenance provenance;
     std::string graph_name;                   // for messages
-    std::map<std::string, std::string> files; // graph parameters that name files to write, as they were set
+    std::map<std::string, std::string> files; // graph parameters that names of written files are made of, as they were set
     std::map<std::string, Shape> shapes;      // of outputs, for the merge's plan
     std::vector<DividedTask> tasks;
 };
@@ -86,7 +86,7 @@ class PartFile {
     // Throws Error if it is not there or damaged. Threads: any.
     ByteReader read(std::uint32_t task, std::uint32_t sink, std::uint64_t item) const;
     bool has(std::uint32_t task, std::uint32_t sink, std::uint64_t item) const;
-    size_t entries() const { return entries_.size(); }
+    const std::vector<PartEntry>& entries() const { return entries_; }
 
   private:
     [[noreturn]] void damaged(const std::string& what) const;

@@ -45,7 +45,8 @@ PartHeader shard_header(const Plan& plan, const FilesRead& files, const Shard& s
     const Json flat = plan.graph->flattened();
     if (const Json* open = flat.find("parameters"))
         for (const GraphParameter& parameter : plan.graph->parameters)
-            if (open->find(parameter.decl.name) && parameter.value.is(Json::Kind::text)) header.files[parameter.decl.name] = parameter.value.text;
+            if (open->find(parameter.decl.name) && !parameter.value.is(Json::Kind::null))
+                header.files[parameter.decl.name] = parameter.value.is(Json::Kind::text) ? parameter.value.text : parameter.value.dump();
     for (size_t n = 0; n < plan.shapes.size(); ++n)
         for (size_t p = 0; p < plan.shapes[n].size(); ++p)
             if (const Shape& s = plan.shapes[n][p]; s.width > 0 || s.bytes > 0) header.shapes[plan.name_of({int(n), int(p)})] = s;

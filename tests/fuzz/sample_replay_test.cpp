@@ -1,10 +1,11 @@
-// Sample files of the corpora, written by hand or found by fuzzing, are read or refused without
+// Sample files and parts of the corpora, written by hand or found by fuzzing, are read or refused without
 // harm; so is every beginning of them.
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "part_fuzz.h"
 #include "sample_fuzz.h"
 
 namespace weft {
@@ -36,6 +37,9 @@ TEST(Fuzz, tlfr_of_the_corpus) {
 }
 TEST(Fuzz, ilfr_of_the_corpus) {
     replay("ilfr", test::fuzz_ilfr);
+}
+TEST(Fuzz, parts_of_the_corpus) {
+    replay("part", test::fuzz_part);
 }
 
 }  // namespace
