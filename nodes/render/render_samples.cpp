@@ -2,7 +2,7 @@
 // depth and motion, and whatever else is asked for (path_tracer.h).
 #include <fmt/format.h>
 
-#include "render/render_node.h"
+#include "render/render_samples_node.h"
 #include "render/sample_buffer.h"
 #include "samples/sample_meta.h"
 
@@ -19,11 +19,7 @@ void warn_of_deviation(const PathTracer& tracer, Context& ctx) {
 
 namespace {
 
-struct RenderSamples : RenderNode {
-    int spp = 16;
-    std::vector<std::string> channels{"basic"};
-    std::shared_ptr<Prepared> prepared = std::make_shared<Prepared>();
-
+struct RenderSamples : RenderSamplesNode {
     static void declare(Ports<RenderSamples>& node) {
         node.about(
                 "renders a scene into a sample buffer: defocus, motion blur and soft light, a "
@@ -35,45 +31,13 @@ struct RenderSamples : RenderNode {
                        Need::optional)
             .out<Samples>(
                 "samples",
-                "the channels asked for; a pinhole has no uv, a still scene no t and motion")
-            .param("spp", &RenderSamples::spp,
-                   {.unit = "samples", .min = 1, .max = 1 << 20, .about = "samples a pixel"})
-            .param("channels", &RenderSamples::channels,
-                   {.about = "names as in sample files; basic: xy uv t z motion rgb alpha; all: "
-                             "everything"});
-        declare_shared(node);
+                "the channels asked for; a pinhole has no uv, a still scene no t and motion");
+        declare_samples(node);
     }
 
     Cost cost(const Shapes& in) const {
-        const Shape counts = in["counts"];
-        const std::int64_t w = counts.width > 0 ? counts.width : width,
-                           h = counts.height > 0 ? counts.height : height;
-        const double samples = double(w) * double(h) * spp;
-        const double bytes = samples * 4 * double(channel_set(channels, true, true).numbers());
-        return {{{"samples", {w, h, 0, std::int64_t(samples), bytes}}},
-                16e6,
-                samples * 1000 * std::max(max_depth, 1)};
-    }
-
-    std::shared_ptr<Prepared::Made> prepare(const Inputs& in, Context& ctx) const {
-        const Scene& scene = in.get<Scene>("scene");
-        return prepared->get(scene, [&] {
-            const Image* counts = in.find<Image>("counts");
-            RenderOptions o = options();
-            if (counts) o.width = counts->width(), o.height = counts->height();
-            o.channels = channels_of(scene);
-            return std::make_shared<Prepared::Made>(
-                scene, o, counts ? SamplePlan(*counts) : SamplePlan(width, height, spp), ctx);
-        });
-    }
-    ChannelSet channels_of(const Scene& scene) const {
-        const auto moves = [](const std::vector<Affine>& keys) { return Placement(keys).moving(); };
-        bool motion = moves(scene.camera.to_world);
-        for (const Instance& i : scene.instances)
-            motion = motion || i.to_world.size() > 1 || scene.meshes[size_t(i.mesh)].steps > 1;
-        for (const Light& l : scene.lights)
-            motion = motion || (l.area() && l.visible && l.to_world.size() > 1);
-        return channel_set(channels, scene.camera.lens_radius > 0, motion);
+        const Shape shape = samples_shape(in);
+        return {{{"samples", shape}}, 16e6, double(shape.records) * 1000 * std::max(max_depth, 1)};
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
@@ -98,7 +62,9 @@ struct RenderSamples : RenderNode {
         return size_t((counts ? counts->height() : height) + rows_in_piece - 1) / rows_in_piece;
     }
     void piece(const Inputs& in, size_t index, ByteWriter& to, Context& ctx) const {
-        const auto made = prepare(in, ctx);
+        // One piece prepares while others wait for it: it must not take up their work meanwhile.
+        PlainContext alone;
+        const auto made = prepare(in, alone);
         const SamplePlan& plan = made->plan;
         const int begin = int(index) * rows_in_piece,
                   end = std::min(begin + rows_in_piece, plan.height());

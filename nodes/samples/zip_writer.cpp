@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <libdeflate.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -33,8 +35,8 @@ void append64(std::string& to, std::uint64_t value) {
 struct Sizes {
     std::uint64_t plain, packed;
 };
-Sizes sizes_of(const ZipPiece& piece) {
-    const std::uint64_t plain = piece.head.size() + piece.data.size();
+Sizes sizes_of(const ZipPiece& piece, std::uint64_t data_size) {
+    const std::uint64_t plain = piece.head.size() + data_size;
     return {plain, piece.packed.empty() ? plain : piece.packed.size()};
 }
 
@@ -57,7 +59,7 @@ void finish(ZipPiece& piece, bool deflate) {
 }
 
 ZipWriter::ZipWriter(std::string path, std::uint64_t zip64_from)
-    : path_(std::move(path)), file_(std::fopen(path_.c_str(), "wb")), zip64_from_(zip64_from) {
+    : path_(std::move(path)), file_(std::fopen(path_.c_str(), "w+b")), zip64_from_(zip64_from) {
     if (!file_) fail();
 }
 
@@ -75,7 +77,68 @@ void ZipWriter::put(const void* bytes, std::uint64_t size) {
 }
 
 void ZipWriter::add(const ZipPiece& piece) {
-    const Sizes sizes = sizes_of(piece);
+    put_member(piece, piece.data.size());
+    if (piece.packed.empty()) {
+        put(piece.head.data(), piece.head.size());
+        put(piece.data.data(), piece.data.size());
+    } else {
+        put(piece.packed.data(), piece.packed.size());
+    }
+}
+
+ZipWriter::Reserved ZipWriter::reserve(const std::string& name, const std::string& head,
+                                       std::uint64_t size) {
+    const ZipPiece piece{name, head, {}, {}, 0};
+    Reserved out{written_, 0, size, directory_.size(), head.size()};
+    put_member(piece, size);
+    put(head.data(), head.size());
+    out.data = written_;
+    written_ += size;
+    if (std::fflush(file_) != 0 || ::ftruncate(::fileno(file_), off_t(written_)) != 0 ||
+        ::fseeko(file_, off_t(written_), SEEK_SET) != 0)
+        fail();
+    return out;
+}
+
+void ZipWriter::write(const Reserved& member, std::uint64_t offset,
+                      std::span<const std::uint8_t> bytes) {
+    if (offset > member.size || bytes.size() > member.size - offset)
+        throw Error("a sample file was to hold fewer samples than it is given");
+    while (!bytes.empty()) {
+        const ssize_t n =
+            ::pwrite(::fileno(file_), bytes.data(), bytes.size(), off_t(member.data + offset));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) fail();
+        bytes = bytes.subspan(size_t(n));
+        offset += std::uint64_t(n);
+    }
+}
+
+void ZipWriter::finish_reserved(const Reserved& member) {
+    std::vector<std::uint8_t> buffer(size_t{1} << 20);
+    std::uint32_t crc = 0;
+    std::uint64_t at = member.data - member.head;
+    const std::uint64_t end = member.data + member.size;
+    while (at < end) {
+        const ssize_t n =
+            ::pread(::fileno(file_), buffer.data(),
+                    size_t(std::min<std::uint64_t>(buffer.size(), end - at)), off_t(at));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) fail();
+        crc = libdeflate_crc32(crc, buffer.data(), size_t(n));
+        at += std::uint64_t(n);
+    }
+    // After signature, version, flags, method, time and date; of the directory's entry one more
+    // version.
+    constexpr std::uint64_t in_local = 14, in_directory = 16;
+    if (::pwrite(::fileno(file_), &crc, sizeof crc, off_t(member.local + in_local)) != sizeof crc)
+        fail();
+    std::memcpy(directory_.data() + member.directory + in_directory, &crc, sizeof crc);
+}
+
+// The local header and the directory's entry.
+void ZipWriter::put_member(const ZipPiece& piece, std::uint64_t data_size) {
+    const Sizes sizes = sizes_of(piece, data_size);
     const bool stored = piece.packed.empty();
     const bool large = sizes.plain >= zip64_from_ || sizes.packed >= zip64_from_;
     const std::uint64_t offset = written_;
@@ -117,12 +180,6 @@ void ZipWriter::add(const ZipPiece& piece) {
     local += piece.name;
     local += extra;
     put(local.data(), local.size());
-    if (stored) {
-        put(piece.head.data(), piece.head.size());
-        put(piece.data.data(), piece.data.size());
-    } else {
-        put(piece.packed.data(), piece.packed.size());
-    }
 
     std::string wide;  // only what does not fit below, in this order
     if (large) append64(wide, sizes.plain);

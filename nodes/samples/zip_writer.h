@@ -35,9 +35,21 @@ class ZipWriter {
     ZipWriter& operator=(const ZipWriter&) = delete;
 
     void add(const ZipPiece& piece);
+
+    // A stored member whose numbers are written later, in any order: room for `size` bytes after
+    // `head`. write() may be called by several threads at once; finish_reserved() makes its
+    // checksum, once all is written and before close().
+    struct Reserved {
+        std::uint64_t local, data, size, directory;  // where they lie
+        std::uint64_t head;                          // length
+    };
+    Reserved reserve(const std::string& name, const std::string& head, std::uint64_t size);
+    void write(const Reserved& member, std::uint64_t offset, std::span<const std::uint8_t> bytes);
+    void finish_reserved(const Reserved& member);
     void close();  // the directory; throws Error if anything could not be written
 
   private:
+    void put_member(const ZipPiece& piece, std::uint64_t data_size);
     void put(const void* bytes, std::uint64_t size);
     [[noreturn]] void fail() const;
 
