@@ -1,6 +1,7 @@
 #include "image/image_bytes.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace weft {
 
@@ -47,6 +48,7 @@ Image take_image(ByteReader& from) {
 void ImageStack::add(Image band) {
     if (!bands_.empty() && (band.width() != bands_.front().width() || band.names() != bands_.front().names()))
         throw Error("holds a band of a picture with another width or other channels");
+    if (band.height() > std::numeric_limits<int>::max() - height_) throw Error("holds a picture that is too high");
     height_ += band.height();
     bands_.push_back(std::move(band));
 }

@@ -1,5 +1,7 @@
 #include "samples/sample_bytes.h"
 
+#include <limits>
+
 namespace weft {
 namespace {
 
@@ -90,7 +92,7 @@ Samples join_samples(const Pieces& pieces) {
             }
         }
         if (band.width != whole.width || band.spp != whole.spp || band.channels.size() != whole.channels.size() ||
-            band.color_space != whole.color_space || band.domain != whole.domain || !(band.lens == whole.lens))
+            band.height > std::numeric_limits<int>::max() - whole.height || band.color_space != whole.color_space || band.domain != whole.domain || !(band.lens == whole.lens))
             other();
         for (size_t c = 0; c < band.channels.size(); ++c) {
             const Channel& channel = band.channels[c];
