@@ -93,7 +93,7 @@ class Pack {
 #endif
     }
     hn::Mask<U> mask_;
-    VU order_ = hn::Undefined(un);
+    VU order_ = hn::Zero(un);
 };
 
 // Which of the next lanes' surfaces are in [first, last].
