@@ -127,8 +127,8 @@ Scene chess_scene(std::uint64_t seed, float size) {
     knight.origin = {-0.31f, -0.02f, 0.06f};
     build.place(meshes[2], knight, black);
 
-    build.quad_light("window", {-0.9f, 1.0f, 0.25f}, {0, 0, 0}, 0.45f, 0.35f, {9, 9.6f, 11});
-    build.quad_light("lamp", {0.7f, 0.7f, -0.8f}, {0, 0.05f, 0}, 0.16f, 0.16f, {26, 17, 9});
+    build.quad_light("window", {-0.9f, 1.0f, 0.25f}, {0, 0, 0}, 0.45f, 0.35f, {14, 15, 17});
+    build.quad_light("lamp", {0.7f, 0.7f, -0.8f}, {0, 0.05f, 0}, 0.16f, 0.16f, {44, 28, 15});
     build.sky([](Vec3 d) {
         const float up = 0.5f + 0.5f * d.y;
         return lerp(Vec3{0.05f, 0.035f, 0.025f}, Vec3{0.16f, 0.17f, 0.20f}, up);

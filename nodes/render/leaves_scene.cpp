@@ -43,14 +43,14 @@ struct Leaves {
         for (size_t i = 0; i < count; ++i) {
             const Dice dice(seed, air, i);
             // Equally many at every power of the distance: small far ones, a few large near ones.
-            const float z = 0.9f * std::pow(30.0f, dice(0));
+            const float z = 1.4f * std::pow(22.0f, std::sqrt(dice(0)));
             const float y = eye + z * tan_half * dice(1, -1.0f, 1.1f);
             if (y < 0.05f) continue;
             Affine at = turned(dice, 2) * scale(dice(6, 0.07f, 0.16f));
             at.origin = {z * tan_half * wide * dice(7, -1.05f, 1.05f), y, -z};
-            const Vec3 wind = dice(10, {0.02f, -0.22f, -0.05f}, {0.20f, -0.06f, 0.05f});
+            const Vec3 wind = dice(10, {0.0f, -0.07f, -0.02f}, {0.06f, -0.02f, 0.02f});
             const int shape = shapes[dice.below(13, 3)];
-            build.place(shape, moving(at, wind, dice.direction(14), dice(16, -1.6f, 1.6f)),
+            build.place(shape, moving(at, wind, dice.direction(14), dice(16, -0.5f, 0.5f)),
                         colors[dice.below(17, 6)]);
         }
     }
@@ -74,7 +74,7 @@ struct Leaves {
         const int material = build.material(bark);
         for (size_t i = 0; i < count; ++i) {
             const Dice dice(seed, trunk, i);
-            const float z = 5 + 28 * (float(i) + dice(0)) / float(count);
+            const float z = 5 + 42 * (float(i) + dice(0)) / float(count);
             // None in the middle of the path until it is far away.
             const float side = dice(1) < 0.5f ? -1.0f : 1.0f;
             const float x = side * (0.22f + dice(2, 0, 0.9f)) * z * tan_half * wide;
@@ -118,8 +118,8 @@ struct Leaves {
                           std::max(0.3f, eye + z * tan_half * dice(3, -0.6f, 0.9f)), -z};
             const Affine fly = rotate({0, 1, 0}, dice(4, 0, 2 * pi)) *
                                rotate({1, 0, 0}, dice(5, 0.4f, 1.2f)) * scale(size);
-            const Vec3 velocity = fly.vector({0, 0, -1}) * dice(6, 0.6f, 1.8f);
-            const float lift = dice(7, -0.3f, 0.9f), beat = dice(8, -0.7f, 0.7f);
+            const Vec3 velocity = fly.vector({0, 0, -1}) * dice(6, 0.05f, 0.25f);
+            const float lift = dice(7, -0.3f, 0.9f), beat = dice(8, -0.6f, 0.6f);
             for (const float side : {1.0f, -1.0f}) {
                 std::vector<Affine> keys;
                 for (int k = 0; k < 3; ++k) {
@@ -148,7 +148,7 @@ struct Leaves {
         soil.base_color_map.scale = {20, 20};
         build.place(build.mesh(plane_mesh(), build.material(soil), "ground"), scale(60));
 
-        const Vec3 sun = unit(Vec3{-0.5f, 0.55f, -0.67f});
+        const Vec3 sun = unit(Vec3{-0.72f, 0.5f, 0.30f});
         build.sky([sun](Vec3 d) {
             const float glow = std::max(0.0f, dot(d, sun)), h = std::max(d.y, 0.0f);
             const Vec3 haze{1.05f, 0.90f, 0.66f}, blue{0.28f, 0.44f, 0.75f};
@@ -158,7 +158,7 @@ struct Leaves {
         });
         Light light;
         light.name = "sun", light.shape = Light::Shape::directional;
-        light.radiance = Vec3{3.4f, 2.8f, 1.9f};
+        light.radiance = Vec3{5.5f, 4.6f, 3.2f};
         light.to_world = {look_at(sun, {0, 0, 0})};
         build.scene.lights.push_back(light);
 
@@ -177,10 +177,10 @@ Scene leaves_scene(std::uint64_t seed, float size) {
     leaves.seed = seed;
     leaves.surroundings();
     leaves.materials();
-    leaves.wood(size_t(std::clamp(24 * std::sqrt(size), 2.0f, 200.0f)));
-    leaves.fallen(size_t(900 * size));
-    leaves.falling(size_t(1100 * size));
-    leaves.butterflies(size_t(std::max(3.0f, 20 * std::sqrt(size))));
+    leaves.wood(size_t(std::clamp(60 * std::sqrt(size), 4.0f, 300.0f)));
+    leaves.fallen(size_t(2500 * size));
+    leaves.falling(size_t(3200 * size));
+    leaves.butterflies(size_t(std::max(3.0f, 28 * std::sqrt(size))));
     return std::move(leaves.build.scene);
 }
 

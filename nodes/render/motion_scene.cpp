@@ -93,9 +93,10 @@ struct Motion {
         build.scene.materials[size_t(tiles)].base_color_map.scale = {floor_tiles, floor_tiles};
         build.place(build.mesh(plane_mesh(), tiles, "floor"), translate({0, -0.8f, 0}) * scale(6));
 
-        build.quad_light("lamp", {-2.6f, 4.6f, 3.2f}, {0, 0.6f, -1}, 1.0f, 0.8f, {17, 16, 14});
-        build.quad_light("warm lamp", {3.8f, 2.6f, 1.5f}, {0, 0.4f, -1}, 0.35f, 0.35f, {34, 20, 9});
-        build.scene.environment.radiance = {0.14f, 0.16f, 0.20f};
+        build.quad_light("lamp", {-2.6f, 4.6f, 3.2f}, {0, 0.6f, -1}, 1.0f, 0.8f, {42, 40, 36});
+        build.quad_light("warm lamp", {3.8f, 2.6f, 1.5f}, {0, 0.4f, -1}, 0.35f, 0.35f,
+                         {80, 48, 22});
+        build.scene.environment.radiance = {0.28f, 0.32f, 0.40f};
         SceneCamera& camera = build.scene.camera;
         const Vec3 eye{0, 0.75f, 4.6f}, target{0, 0.62f, 0};
         camera.name = "camera";
@@ -108,7 +109,7 @@ struct Motion {
         const int rubber = build.material(glossy("wheel", {0.75f, 0.08f, 0.05f}, 0.35f));
         const int wheel = build.mesh(wheel_mesh(12), rubber, "wheel");
         for (int i = 0; i < 2; ++i) {
-            const float radius = i == 0 ? 0.62f : 0.40f, angle = i == 0 ? -1.5f : 1.3f;
+            const float radius = i == 0 ? 0.62f : 0.40f, angle = i == 0 ? -0.55f : 0.7f;
             Affine at = scale(radius);
             at.origin = {i == 0 ? -2.1f : 1.6f, -0.8f + 1.09f * radius, i == 0 ? -0.4f : 0.9f};
             // Rolls without sliding: the ground passes by as fast as the rim turns.
@@ -123,7 +124,7 @@ struct Motion {
         const Vec3 at[] = {{-1.25f, 1.75f, -2.3f}, {1.35f, 1.85f, -2.3f}};
         for (int i = 0; i < 2; ++i)
             build.place(fan, moving(translate(at[i]) * scale(i == 0 ? 0.85f : 0.65f), {}, {0, 0, 1},
-                                    i == 0 ? 0.9f : -2.6f));
+                                    i == 0 ? 0.5f : -1.6f));
     }
 
     void flying(size_t count) {
@@ -154,15 +155,15 @@ struct Motion {
             const float radius = dice(1, 0.06f, 0.17f);
             Affine at = rotate(dice.direction(2), dice(4, 0, 2 * pi)) * scale(radius);
             const Vec3 middle = dice(5, {-2.0f, -0.45f, -2.2f}, {2.0f, 1.9f, 1.6f});
-            const float angle = dice(8, -2.2f, 2.2f);
+            const float angle = dice(8, -1.2f, 1.2f);
             const Vec3 axis = dice.direction(9);
-            const Vec3 velocity = dice(11, {-0.9f, -0.35f, -0.4f}, {0.9f, 0.35f, 0.4f});
+            const Vec3 velocity = dice(11, {-0.45f, -0.15f, -0.3f}, {0.45f, 0.15f, 0.3f});
             at.origin = middle - velocity * 0.5f;
             std::vector<Affine> keys = moving(at, velocity, axis, angle);
             // A thrown thing falls: half g t^2 with a shutter of about a quarter of a second.
             for (size_t k = 0; k < keys.size(); ++k) {
                 const float t = float(k) / float(keys.size() - 1);
-                keys[k].origin.y += 0.3f * t * (1 - t);
+                keys[k].origin.y += 0.12f * t * (1 - t);
             }
             build.place(round ? ball : die, keys, round ? colors[dice.below(14, 5)] : dots);
         }
@@ -177,7 +178,7 @@ Scene motion_scene(std::uint64_t seed, float size) {
     motion.surroundings();
     motion.rolling();
     motion.turning();
-    motion.flying(size_t(std::max(1.0f, 34 * size)));
+    motion.flying(size_t(std::max(1.0f, 44 * size)));
     return std::move(motion.build.scene);
 }
 

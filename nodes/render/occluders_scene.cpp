@@ -63,7 +63,7 @@ Scene occluders_scene(std::uint64_t seed, float size) {
     SceneBuilder build;
     const int plaster = build.material(diffuse("plaster", {0.78f, 0.76f, 0.72f}));
     build.place(build.mesh(plane_mesh(), plaster, "ground"), scale(14));
-    build.place(build.mesh(wall_mesh(), plaster, "wall"), translate({0, 4, -4.2f}) * scale(14));
+    build.place(build.mesh(wall_mesh(), plaster, "wall"), translate({0, 4, -2.9f}) * scale(14));
 
     const int bark = build.material(diffuse("bark", {0.20f, 0.14f, 0.10f}));
     const int green = build.material(glossy("leaf", {0.22f, 0.42f, 0.07f}, 0.5f));
@@ -112,12 +112,13 @@ Scene occluders_scene(std::uint64_t seed, float size) {
                               scale(Vec3{0.14f, 0.09f, 0.09f}));
     }
 
-    build.quad_light("lamp", {3.0f, 4.6f, 3.4f}, {-0.2f, 0.4f, -1.2f}, 0.75f, 0.75f, {34, 30, 25});
-    build.scene.environment.radiance = Vec3{0.10f, 0.12f, 0.16f};
+    build.quad_light("lamp", {3.4f, 4.0f, 4.2f}, {-0.2f, 0.6f, -1.2f}, 0.45f, 0.45f,
+                     {190, 168, 140});
+    build.scene.environment.radiance = Vec3{0.16f, 0.20f, 0.27f};
     build.scene.environment.visible = true;
 
     SceneCamera& camera = build.scene.camera;
-    const Vec3 eye{-0.4f, 1.9f, 6.2f}, target{0.05f, 1.35f, -1};
+    const Vec3 eye{-0.3f, 1.8f, 5.2f}, target{-0.1f, 1.25f, -1};
     camera.name = "camera";
     camera.to_world = {look_at(eye, target)};
     camera.vertical_fov = radians(38);
