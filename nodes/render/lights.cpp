@@ -65,6 +65,7 @@ Lights::Lights(const RayScene& rays, const Textures* textures) : rays_(rays) {
             one.placement = Placement(light.to_world);
         }
         one.radiance = light.radiance;
+        one.unseen = !light.visible;
         one.inner = std::cos(std::min(light.inner_cone, light.outer_cone));
         one.outer = std::cos(light.outer_cone);
         if (one.inner <= one.outer) one.inner = one.outer + 1e-6f;
@@ -216,6 +217,7 @@ LightSample Lights::sample(Vec3 from, float time, float choice, float a, float b
         return out;
     }
     const Affine m = one.placement.at(time);
+    out.delta = one.unseen;
     switch (one.kind) {
         case Kind::quad:
         case Kind::disc: {

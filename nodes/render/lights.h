@@ -57,6 +57,7 @@ class Lights {
         std::uint32_t object = no_object;  // mesh
         std::vector<float> sums;           // mesh: triangles + 1, ends at 1
         float probability = 0, power = 0;
+        bool unseen = false;  // has no surface that a ray could hit
         bool two_sided = false;
     };
     void add_mesh(const RayScene& rays, std::uint32_t object, const Textures* textures);

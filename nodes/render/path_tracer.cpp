@@ -284,12 +284,19 @@ void PathTracer::Pass::sample_lights(int depth) {
         }
         const Vec3 start = offset_origin(shade.point.position, shade.point.geometric,
                                          shade.point.error, light.direction);
-        const float reach = std::isinf(light.distance)
-                                ? infinity
-                                : light.distance * (1 - 1e-4f) - 2 * shade.point.error;
+        // To the light's point from where the ray starts, or the light itself would stand in its
+        // way.
+        Vec3 direction = light.direction;
+        float reach = infinity;
+        if (std::isfinite(light.distance)) {
+            const Vec3 way = shade.point.position + light.direction * light.distance - start;
+            const float distance = length(way);
+            if (!(distance > 0)) continue;
+            direction = way * (1 / distance);
+            reach = distance * (1 - 1e-4f);
+        }
         const size_t q = queue.size++;
-        queue.rays.set(q, start, light.direction, 0, reach, w.rays.time[k],
-                       solid_mask | light_mask);
+        queue.rays.set(q, start, direction, 0, reach, w.rays.time[k], solid_mask | light_mask);
         queue.sample[q] = i;
         queue.diffuse[q] = diffuse;
         queue.specular[q] = specular;

@@ -30,8 +30,8 @@ class SamplePlan {
         return spp_ > 0 ? pixel * std::uint64_t(spp_) : first_[pixel];
     }
     std::uint64_t samples() const {
-        return spp_ > 0 ? std::uint64_t(width_) * std::uint64_t(height_) * std::uint64_t(spp_)
-                        : first_.back();
+        if (spp_ == 0) return first_.empty() ? 0 : first_.back();
+        return std::uint64_t(width_) * std::uint64_t(height_) * std::uint64_t(spp_);
     }
     const std::vector<std::uint64_t>& offsets() const { return first_; }  // empty where spp() > 0
 

@@ -43,9 +43,9 @@ Vec3 light_point(const Object& object, std::uint32_t primitive, float u, float v
     return {u, v, primitive ? -z : z};
 }
 
-// Rounding of ray and triangle (robust intersection) and of ours, about 30 half units in the last
+// Rounding of ray and triangle (robust intersection) and of ours: about 16 half units in the last
 // place of the largest coordinate on the way.
-constexpr float rounding = 4e-6f;
+constexpr float rounding = 1e-6f;
 
 }  // namespace
 
