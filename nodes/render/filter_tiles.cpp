@@ -23,6 +23,8 @@ struct FilterTiles {
         node.about("a picture from rendered samples by a pixel filter, without holding the samples")
             .in<RenderedTiles>("samples", "of render-tiles")
             .out<Image>("image", "R G B, and A if asked for; 0 where no sample reaches")
+            .out<Image>("variance",
+                        "R G B: of the mean of a pixel's own samples, estimated from their spread")
             .choice("filter", &FilterTiles::filter, filter_names(), {.about = "pixel filter"})
             .param("width", &FilterTiles::width,
                    {.unit = "px", .min = 0, .max = 16, .about = "all across; 0: the filter's own"})
@@ -38,14 +40,20 @@ struct FilterTiles {
 
     static constexpr size_t values = 5;  // r g b a weight
 
+    // Of a pixel's own samples, whatever the filter.
+    struct Own {
+        double color[3] = {}, square[3] = {}, count = 0;
+    };
     struct Scratch {
         std::vector<double> sums;  // of each of the tile's pixels, for each pixel around it
+        std::vector<Own> own;      // of each of the tile's pixels
         std::vector<double> wx, wy;
         std::string color_space;
     };
     struct Result {
         Extent extent;
         std::vector<double> sums;  // pixels x patch x values
+        std::vector<Own> own;
         std::mutex mutex;
         std::string color_space;
     };
@@ -61,15 +69,17 @@ struct FilterTiles {
         const Shape s = in["samples"];
         const double pixels = double(s.width) * double(s.height);
         return {{{"image", {s.width, s.height, 3 + alpha, 0, (12.0 + 4 * alpha) * pixels}}},
-                8 * double(values * patch()) * pixels,
+                double(8 * values * patch() + sizeof(Own)) * pixels,
                 0};
     }
 
     void open(const Inputs&, const Extent& extent, Result& result) const {
         result.extent = extent;
         result.sums.assign(size_t(extent.width) * size_t(extent.height) * patch() * values, 0);
+        result.own.assign(size_t(extent.width) * size_t(extent.height), {});
     }
     void begin(const Inputs& in, Scratch& scratch) const {
+        scratch.own.assign(size_t(in.tile().width()) * size_t(in.tile().height()), {});
         scratch.sums.assign(
             size_t(in.tile().width()) * size_t(in.tile().height()) * patch() * values, 0);
     }
@@ -97,6 +107,12 @@ struct FilterTiles {
                     scratch.wy[size_t(k)] = double(evaluate(f, xy[1] - (float(py + k - r) + 0.5f)));
                 }
             }
+            Own& own = scratch.own[local];
+            for (int k = 0; k < 3; ++k) {
+                own.color[k] += double(rgb[k]);
+                own.square[k] += double(rgb[k]) * double(rgb[k]);
+            }
+            ++own.count;
             double* to = &scratch.sums[local * each];
             for (int y = 0; y < side; ++y)
                 for (int x = 0; x < side; ++x, to += values) {
@@ -113,6 +129,10 @@ struct FilterTiles {
             std::copy_n(
                 &scratch.sums[size_t(y - tile.y0) * row], row,
                 &result.sums[(size_t(y) * size_t(result.extent.width) + size_t(tile.x0)) * each]);
+        const size_t across = size_t(tile.width());
+        for (int y = tile.y0; y < tile.y1; ++y)
+            std::copy_n(&scratch.own[size_t(y - tile.y0) * across], across,
+                        &result.own[size_t(y) * size_t(result.extent.width) + size_t(tile.x0)]);
         const std::lock_guard lock(result.mutex);
         if (!scratch.color_space.empty()) result.color_space = scratch.color_space;
     }
@@ -145,16 +165,33 @@ struct FilterTiles {
         if (empty > 0)
             ctx.warn(fmt::format("{} of {} pixels have no sample within the filter; they are 0",
                                  size_t(empty), size_t(w) * size_t(h)));
-        out.set("image", std::move(image));
+        if (out.wanted("image")) out.set("image", std::move(image));
+        if (out.wanted("variance")) out.set("variance", variance_of(result));
+    }
+    static Image variance_of(const Result& result) {
+        Image variance(result.extent.width, result.extent.height, 3);
+        variance.color_space = "Raw";
+        for (size_t i = 0; i < result.own.size(); ++i) {
+            const Own& own = result.own[i];
+            if (own.count < 2) continue;
+            for (size_t k = 0; k < 3; ++k) {
+                const double mean = own.color[k] / own.count;
+                variance.pixels()[3 * i + k] =
+                    float(std::max(0.0, own.square[k] / own.count - mean * mean) / (own.count - 1));
+            }
+        }
+        return variance;
     }
 
     void save(const Inputs&, const Scratch& scratch, ByteWriter& to) const {
         to.put_text(scratch.color_space);
         to.put_all(scratch.sums);
+        to.put_all(scratch.own);
     }
     void load(const Inputs&, ByteReader& from, Scratch& scratch) const {
         scratch.color_space = from.take_text();
         from.fill(scratch.sums);
+        from.fill(scratch.own);
     }
 };
 

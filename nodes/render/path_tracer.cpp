@@ -149,11 +149,6 @@ void PathTracer::Pass::start_paths() {
 void PathTracer::Pass::trace_camera() {
     const Clock clock(w.statistics.camera_ns);
     w.statistics.camera_rays += n;
-    // Under motion packets gain nothing.
-    if (scene_rays().has_motion() || scene_rays().packet_width() == 1) {
-        scene_rays().intersect(w.rays, 0, n);
-        return;
-    }
     size_t i = 0;
     for (const PixelRun& run : runs) {
         if (run.count >= samples_in_packet / 2)

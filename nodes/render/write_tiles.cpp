@@ -17,7 +17,8 @@ struct WriteTiles {
                 "write-samples holds, in less memory")
             .writes()
             .in<RenderedTiles>("samples", "of render-tiles")
-            .param("file", &WriteTiles::file, {.about = "file to write; folders are made"});
+            .optional_file("file", &WriteTiles::file,
+                           {.about = "file to write; folders are made. Empty: nothing is written"});
     }
 
     // A tile's samples: one row of pixels after the other, so that a row lies together in the file.
@@ -43,6 +44,7 @@ struct WriteTiles {
         for (auto& ids : s.ids) ids.clear();
     }
     void batch(const Inputs& in, Scratch& s) const {
+        if (file.path.empty()) return;
         const RenderedTiles& from = in.get<RenderedTiles>("samples");
         const Tile& tile = in.tile();
         if (!s.any) {
@@ -108,6 +110,7 @@ struct WriteTiles {
     }
 
     void close(const Inputs&, Result& result, Outputs&, Context& ctx) const {
+        if (file.path.empty()) return;
         if (!result.file) ctx.fail("there were no samples to write");
         result.file->close(ctx);
     }

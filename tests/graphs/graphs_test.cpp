@@ -60,6 +60,7 @@ Overrides small(const fs::path& graph, const fs::path& out) {
         if (const auto known = small_values.find(name); known != small_values.end() && mismatch(parameter.decl, parse_json_or_throw(known->second, name)).empty())
             overrides.set.push_back(name + "=" + known->second);
         if (name == "samples") overrides.set.push_back("samples=" + small_samples());
+        if (name == "samples-out") overrides.set.push_back("samples-out=" + (out / "samples.npz").string());
         if (name == "out") overrides.set.push_back("out=" + (out / "picture.exr").string());
     }
     return overrides;

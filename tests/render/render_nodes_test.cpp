@@ -53,7 +53,7 @@ Made run(const std::string& scene, bool tiles, Executor& executor, int tile,
         "picture": {"type": ")" +
                              std::string(tiles ? "filter-tiles" : "pixel-filter") +
                              R"(", "in": {"samples": "render"})" + filter + R"(},
-        "image": {"type": "write-image", "in": {"image": "picture"}, "set": {"file": ")" +
+        "image": {"type": "write-image", "in": {"image": "picture.image"}, "set": {"file": ")" +
                              picture + R"(", "depth": "float"}},
         "write": {"type": ")" +
                              std::string(tiles ? "write-tiles" : "write-samples") +
