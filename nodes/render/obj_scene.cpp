@@ -153,6 +153,11 @@ class Reader {
             out.alpha = Material::Alpha::mask;
             out.alpha_map = map(m.alpha_texname, m.alpha_texopt, false, m.name);
         }
+        // A picture with alpha is a cutout, whether or not map_d says so.
+        if (!out.alpha_map.used() && out.base_color_map.used() && has_alpha(out.base_color_map)) {
+            out.alpha = Material::Alpha::mask;
+            out.alpha_map = out.base_color_map;
+        }
         const float opaque = part(m.dissolve, 1);
         if (opaque < 0.999f && !out.alpha_map.used()) {
             out.kind = Material::Kind::metallic_roughness;
@@ -165,6 +170,17 @@ class Reader {
             warnings_.push_back(
                 fmt::format("{}: material '{}': its bump map is left out", path_, m.name));
         return out;
+    }
+
+    bool has_alpha(const TextureMap& map) const {
+        const std::string& path = scene_.textures[size_t(map.file)].path;
+        if (!path.ends_with(".png") && !path.ends_with(".PNG")) return false;
+        try {
+            const auto channels = picture_info(path).channels;
+            return std::find(channels.begin(), channels.end(), "A") != channels.end();
+        } catch (const Error&) {
+            return false;  // told when its pixels are read
+        }
     }
 
     TextureMap map(const std::string& name, const tinyobj::texture_option_t& how, bool is_color,

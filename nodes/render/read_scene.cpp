@@ -30,6 +30,8 @@ struct ReadScene {
                 {.unit = "s", .min = -1e6, .max = 1e6, .about = "glTF: when the shutter closes"});
     }
 
+    std::vector<std::string> reads() const { return scene_files(file); }
+
     void run(const Inputs&, Outputs& out, Context& ctx) const {
         if (shutter_close < shutter_open)
             ctx.fail("the shutter closes before it opens: shutter-close is less than shutter-open");

@@ -29,6 +29,9 @@ Scene obj_scene(const std::string& bytes, const std::string& path, const SceneOp
 Scene json_scene(const std::string& bytes, const std::string& path, const SceneOptions& options,
                  std::vector<std::string>& warnings);
 
+// Every file that a scene reads, itself first, as far as they are there: what its key is made of.
+std::vector<std::string> scene_files(const std::string& path);
+
 // A camera that sees all of a scene, for files that have none.
 SceneCamera camera_around(const Scene& scene);
 // A dome of even light and a sun, for files that have no light at all.

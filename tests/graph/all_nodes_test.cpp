@@ -20,7 +20,7 @@ const Registry& registry() {
 std::vector<std::string> shipped() {
     std::vector<std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(WEFT_SOURCE_DIR "/graphs"))
-        if (entry.path().extension() == ".json") files.push_back(entry.path().string());
+        if (entry.path().extension() == ".json" && entry.path().parent_path().filename() != "scenes") files.push_back(entry.path().string());
     std::sort(files.begin(), files.end());
     return files;
 }

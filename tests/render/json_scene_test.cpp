@@ -141,6 +141,28 @@ TEST(ReadScene, TellsWhatItCannotRead) {
               "cornell");
 }
 
+TEST(ReadScene, KnowsEveryFileThatItReads) {
+    TestFolder folder;
+    std::filesystem::create_directory(folder / "part");
+    std::ofstream(folder / "all.json")
+        << R"({"weft_scene":1,"include":[{"file":"part/a.obj"},{"file":"b.gltf"}],"environment":{"file":"sky.exr"}})";
+    std::ofstream(folder / "part/a.obj") << "mtllib my materials.mtl\n";
+    std::ofstream(folder / "part/my materials.mtl") << "newmtl m\nmap_Kd -s 1 1 1 wood.png\r\n";
+    std::ofstream(folder / "b.gltf")
+        << R"({"images":[{"uri":"a%20b.png"}],"buffers":[{"uri":"gone.bin"}]})";
+    for (const char* name : {"part/wood.png", "a b.png", "sky.exr"})
+        std::ofstream(folder / name) << "x";
+    std::vector<std::string> files = scene_files(folder / "all.json");
+    EXPECT_EQ(files.front(), folder / "all.json");
+    std::sort(files.begin(), files.end());
+    std::vector<std::string> expected;
+    for (const char* name : {"a b.png", "all.json", "b.gltf", "part/a.obj", "part/my materials.mtl",
+                             "part/wood.png", "sky.exr"})
+        expected.push_back(folder / name);
+    EXPECT_EQ(files, expected);
+    EXPECT_TRUE(scene_files("procedural:chess").empty());
+}
+
 // The first example of docs/scenes.md.
 TEST(JsonScene, TheGuidesExampleIsAScene) {
     const std::string guide = std::string(WEFT_SOURCE_DIR) + "/docs/scenes.md";
