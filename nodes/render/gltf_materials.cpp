@@ -25,6 +25,12 @@ float number(const Value& object, const char* key, float fallback) {
     const Value* v = member(object, key);
     return v && v->IsNumber() ? float(v->GetNumberAsDouble()) : fallback;
 }
+int whole(const Value& object, const char* key, int fallback) {
+    const Value* v = member(object, key);
+    if (!v || !v->IsNumber()) return fallback;
+    const double number = v->GetNumberAsDouble();
+    return number >= -1e9 && number <= 1e9 ? int(number) : -1;
+}
 std::vector<float> numbers(const Value& object, const char* key) {
     std::vector<float> all;
     if (const Value* v = member(object, key); v && v->IsArray())
@@ -115,8 +121,8 @@ class Reader {
             out.roughness = clamped(1 - number(*v, "glossinessFactor", 1), 0, 1, 1);
             out.metallic_roughness_map = {};
             if (const Value* t = member(*v, "diffuseTexture"))
-                out.base_color_map = map(int(number(*t, "index", -1)),
-                                         int(number(*t, "texCoord", 0)), nullptr, true);
+                out.base_color_map =
+                    map(whole(*t, "index", -1), whole(*t, "texCoord", 0), nullptr, true);
             warnings_.push_back(
                 fmt::format("{}: {}: specular-glossiness is taken as its diffuse part with a gloss",
                             file_.path(), what_));
@@ -137,7 +143,7 @@ class Reader {
             model_.textures[file_.index(index, model_.textures.size(), what_, "texture")];
         int source = texture.source;
         if (const Value* v = extension(texture.extensions, "EXT_texture_webp"))
-            source = int(number(*v, "source", float(source)));
+            source = whole(*v, "source", source);
         if (source < 0) {
             if (texture.extensions.count("KHR_texture_basisu"))
                 file_.fail(fmt::format("{}, texture {}", what_, index),
@@ -163,7 +169,7 @@ class Reader {
             out.offset = pair("offset", {0, 0}), out.scale = pair("scale", {1, 1});
             const float angle = number(*transform, "rotation", 0);
             out.rotation = std::isfinite(angle) ? angle : 0;
-            set = int(clamped(number(*transform, "texCoord", float(set)), 0, 100, 0));
+            set = whole(*transform, "texCoord", set);
         }
         if (set_ && *set_ != set)
             warnings_.push_back(fmt::format(

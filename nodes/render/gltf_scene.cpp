@@ -271,7 +271,8 @@ class Reader {
         if (found == model_.nodes[node].extensions.end() || !found->second.IsObject() ||
             !found->second.Has("light") || !found->second.Get("light").IsNumber())
             return;
-        const int number = found->second.Get("light").GetNumberAsInt();
+        const double given = found->second.Get("light").GetNumberAsDouble();
+        const int number = given >= 0 && given < 1e9 ? int(given) : -1;
         const auto& l =
             model_.lights[file_.index(number, model_.lights.size(), named(node), "light")];
         const std::string what = fmt::format("light {} ('{}')", number, l.name);

@@ -17,6 +17,8 @@
 namespace weft {
 namespace {
 
+constexpr size_t most_instances = 1000000;
+
 // `pattern` may hold stars, each for any letters.
 bool matches(std::string_view name, std::string_view pattern) {
     size_t n = 0, p = 0, star = std::string_view::npos, back = 0;
@@ -263,7 +265,7 @@ class Reader {
             f.finding(&value,
                       fmt::format("a shape has no 'shape'; known: {}", fmt::join(names, ", ")));
         const size_t kind = f.choice("shape", names, 0);
-        const int segments = int(f.number("segments", 64, 3, 4096));
+        const int segments = int(f.number("segments", 64, 3, 512));
         const float tube = f.number("tube", 0.25f, 0.001, 1);
         const Json* named_material = f.any("material");
         int with = named_material ? material(named_material) : -1;
@@ -301,13 +303,14 @@ class Reader {
             const std::vector<float> n = g.numbers("count", 3, 3);
             double total = 1;
             for (size_t i = 0; i < n.size(); ++i) {
-                count[i] = std::clamp(int(n[i]), 1, 1 << 22);
+                count[i] = int(std::clamp(n[i], 1.0f, 4e6f));
                 total *= count[i];
             }
             step = g.vector("step", {1, 1, 1});
             g.end();
-            if (total > 4e6) {
-                g.finding(grid, fmt::format("{} instances; at most 4 million", total));
+            if (total + double(scene_.instances.size()) > most_instances) {
+                g.finding(grid, fmt::format("{} more instances; a scene holds {} at most", total,
+                                            most_instances));
                 count[0] = count[1] = count[2] = 1;
             }
         }

@@ -324,6 +324,13 @@ class Cli(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("Un-tone-mapped", done.stderr)
 
+    def test_scenes_are_known_by_name(self):
+        environment = dict(os.environ, WEFT_SCENES=str(self.path / "scenes"))
+        done = subprocess.run([os.path.join(os.environ["SOURCE"], "tools", "scenes"), "castle"], capture_output=True, text=True,
+                              env=environment)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no scene 'castle'; known: room, sterngarten, dungeon", done.stderr)
+
     def test_heavy_libraries_are_not_linked(self):
         linked = subprocess.run(["ldd", WEFT], capture_output=True, text=True, check=True).stdout
         self.assertNotIn("libOpenImageIO", linked)
