@@ -36,10 +36,10 @@ struct Bsdf {
 // From a material's numbers, maps looked up. roughness: perceptual.
 inline Bsdf make_bsdf(Material::Kind kind, Vec3 base_color, float metallic, float roughness,
                       float ior, float transmission) {
-    const auto in_unit = [](float x) { return std::fmin(std::fmax(x, 0.0f), 1.0f); };
+    const auto in_unit = [](float x) { return std::min(std::max(x, 0.0f), 1.0f); };
     base_color = {in_unit(base_color.x), in_unit(base_color.y), in_unit(base_color.z)};
     const float alpha = alpha_of(in_unit(roughness));
-    ior = std::fmax(ior, 1.0001f);
+    ior = std::max(ior, 1.0001f);
     switch (kind) {
         case Material::Kind::diffuse:
             return {DiffuseBsdf{base_color}};
@@ -54,7 +54,7 @@ inline Bsdf make_bsdf(Material::Kind kind, Vec3 base_color, float metallic, floa
     }
     metallic = in_unit(metallic);
     if (alpha < smallest_alpha && metallic == 1) return {MirrorBsdf{base_color}};
-    return {MetallicRoughnessBsdf{base_color, metallic, std::fmax(alpha, smallest_alpha), ior,
+    return {MetallicRoughnessBsdf{base_color, metallic, std::max(alpha, smallest_alpha), ior,
                                   in_unit(transmission)}};
 }
 

@@ -30,12 +30,12 @@ inline float luminance(Vec3 c) {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 inline float largest(Vec3 c) {
-    return std::fmax(c.x, std::fmax(c.y, c.z));
+    return std::max(c.x, std::max(c.y, c.z));
 }
 
 // Schlick's approximation (1994).
 inline float schlick_weight(float cosine) {
-    const float m = 1 - std::fmin(std::fmax(cosine, 0.0f), 1.0f), m2 = m * m;
+    const float m = 1 - std::min(std::max(cosine, 0.0f), 1.0f), m2 = m * m;
     return m2 * m2 * m;
 }
 inline Vec3 schlick(Vec3 normal_incidence, float cosine) {

@@ -49,6 +49,7 @@ struct FilterTiles {
         std::vector<Own> own;      // of each of the tile's pixels
         std::vector<double> wx, wy;
         std::string color_space;
+        const RenderedHead* head = nullptr;
     };
     struct Result {
         Extent extent;
@@ -56,6 +57,7 @@ struct FilterTiles {
         std::vector<Own> own;
         std::mutex mutex;
         std::string color_space;
+        const RenderedHead* head = nullptr;
     };
 
     PixelFilter shape() const { return make_filter({filter, width, sigma, b, c, tau}); }
@@ -88,6 +90,7 @@ struct FilterTiles {
         const Tile& tile = in.tile();
         const auto across = std::uint32_t(in.extent().width);
         scratch.color_space = from.head->samples.color_space;
+        scratch.head = from.head;
         const bool has_alpha = from.head->channels.has(ChannelId::alpha);
         const PixelFilter f = shape();
         const bool box = is_pixel_box(f);
@@ -134,6 +137,7 @@ struct FilterTiles {
             std::copy_n(&scratch.own[size_t(y - tile.y0) * across], across,
                         &result.own[size_t(y) * size_t(result.extent.width) + size_t(tile.x0)]);
         const std::lock_guard lock(result.mutex);
+        if (scratch.head) result.head = scratch.head;
         if (!scratch.color_space.empty()) result.color_space = scratch.color_space;
     }
     void close(const Inputs&, Result& result, Outputs& out, Context& ctx) const {
@@ -162,6 +166,7 @@ struct FilterTiles {
                     for (int k = 0; k < 3 + alpha; ++k) image.at(x, y)[k] = float(sum[k] / sum[4]);
                 }
         });
+        if (result.head) result.head->warn(ctx);
         if (empty > 0)
             ctx.warn(fmt::format("{} of {} pixels have no sample within the filter; they are 0",
                                  size_t(empty), size_t(w) * size_t(h)));

@@ -16,7 +16,7 @@ struct GlassBsdf {
         const float eta = side > 0 ? ior : 1 / ior;
         const float reflect = dielectric_fresnel(cosine, eta);
         if (lobe < reflect) return {{-out.x, -out.y, out.z}, {{}, white * reflect, reflect}, true};
-        const float behind = std::sqrt(std::fmax(0.0f, 1 - (1 - cosine * cosine) / (eta * eta)));
+        const float behind = std::sqrt(std::max(0.0f, 1 - (1 - cosine * cosine) / (eta * eta)));
         const Vec3 in = unit(Vec3{-out.x / eta, -out.y / eta, -side * behind});
         const float pass = 1 - reflect;
         return {in, {{}, tint * (pass / (eta * eta)), pass}, true, true};

@@ -15,17 +15,21 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Pairs of numbers: lens, film, (time, choice of light), then for each vertex of the path.
+// Pairs of numbers: lens, film, (time, choice of the first light), then for each vertex of the
+// path.
 enum Pair : std::uint32_t { lens_pair, film_pair, time_pair, vertex_pairs };
-enum VertexPair : std::uint32_t {
-    light_pair,
-    bounce_pair,
-    choice_pair,
-    chance_pair,
-    pairs_a_vertex
-};
+// choice: which lobe; at later vertices also which light.
+enum VertexPair : std::uint32_t { light_pair, bounce_pair, choice_pair, pairs_a_vertex };
+// So deep in a path good patterns no longer help: plain random numbers are cheaper.
+constexpr int patterned_vertices = 4;
 std::uint32_t pair_of(int depth, VertexPair pair) {
     return vertex_pairs + std::uint32_t(depth) * pairs_a_vertex + pair;
+}
+Disk numbers_of(const SampleSequence& sequence, std::uint32_t index, int depth, VertexPair pair) {
+    if (depth < patterned_vertices) return sequence(index, pair_of(depth, pair));
+    const std::uint64_t bits =
+        mix(sequence.key + index + (std::uint64_t(pair_of(depth, pair)) << 32));
+    return {unit_float(bits), unit_float(bits << 24)};
 }
 
 enum Flag : std::uint8_t {
@@ -228,9 +232,10 @@ void PathTracer::Pass::sample_lights(int depth) {
         const std::uint32_t i = w.sample[k];
         if (w.rays.object[k] == no_object || w.shading.shades[k].light) continue;
         const Shade& shade = w.shading.shades[k];
-        const Disk point = w.sequence[i](w.index[i], pair_of(depth, light_pair));
+        if (shade.bsdf.delta() && !first) continue;
+        const Disk point = numbers_of(w.sequence[i], w.index[i], depth, light_pair);
         const float choice =
-            first ? w.light_choice[i] : w.sequence[i](w.index[i], pair_of(depth, chance_pair)).v;
+            first ? w.light_choice[i] : numbers_of(w.sequence[i], w.index[i], depth, choice_pair).v;
         w.light[k] = lights.sample(shade.point.position, w.rays.time[k], choice, point.u, point.v);
         LightSample& light = w.light[k];
         if (first && wants(ChannelId::light_uv))
@@ -338,8 +343,8 @@ void PathTracer::Pass::bounce(int depth) {
         const std::uint32_t i = w.sample[k];
         if (w.rays.object[k] == no_object || w.shading.shades[k].light) continue;
         const Shade& shade = w.shading.shades[k];
-        const Disk direction = w.sequence[i](w.index[i], pair_of(depth, bounce_pair));
-        const Disk choice = w.sequence[i](w.index[i], pair_of(depth, choice_pair));
+        const Disk direction = numbers_of(w.sequence[i], w.index[i], depth, bounce_pair);
+        const Disk choice = numbers_of(w.sequence[i], w.index[i], depth, choice_pair);
         const BsdfSample s =
             shade.bsdf.sample(shade.frame.to_local(shade.out), choice.u, direction.u, direction.v);
         if (!(s.value.density > 0)) continue;
@@ -353,7 +358,7 @@ void PathTracer::Pass::bounce(int depth) {
         if (!finite_color(throughput) || !(largest(throughput) > 0)) continue;
         if (depth >= options().roulette_depth) {
             const float stay = std::min(largest(throughput), 0.95f);
-            if (choice.v >= stay) continue;
+            if (unit_float(mix(w.key[k] ^ 0x5275'7373'6961'6eull)) >= stay) continue;
             throughput = throughput * (1 / stay);
         }
         const size_t m = next++;

@@ -51,6 +51,12 @@ struct RenderTiles : RenderSamplesNode {
         shared->head = {empty_samples(made->tracer, made->plan), made->tracer.options().channels,
                         &made->plan};
         shared->head.samples.meta = shared->head.samples.meta_object();
+        shared->head.warn = [made, told = std::make_shared<std::atomic<bool>>(false),
+                             warnings = ctx.warnings](Context& to) {
+            if (told->exchange(true)) return;
+            for (const std::string& warning : warnings) to.warn(warning);
+            warn_of_deviation(made->tracer, to);
+        };
         return {made->plan.width(), made->plan.height()};
     }
 

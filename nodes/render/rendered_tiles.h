@@ -11,6 +11,7 @@ struct RenderedHead {
     Samples samples;  // size, spp, lens, meta; no channels
     render::ChannelSet channels;
     const render::SamplePlan* plan = nullptr;
+    std::function<void(Context&)> warn;  // says what the render has to say, once; for sinks to call
 };
 
 struct RenderedTiles : Batch {

@@ -24,6 +24,7 @@ struct WriteTiles {
     // A tile's samples: one row of pixels after the other, so that a row lies together in the file.
     struct Scratch {
         bool any = false;
+        const RenderedHead* head = nullptr;
         std::string meta;
         std::uint64_t samples = 0;  // of the whole buffer
         ChannelSet channels;
@@ -35,6 +36,7 @@ struct WriteTiles {
     struct Result {
         std::mutex mutex;
         std::unique_ptr<NpzTiles> file;
+        const RenderedHead* head = nullptr;
     };
 
     void open(const Inputs&, const Extent&, Result&) const {}
@@ -49,6 +51,7 @@ struct WriteTiles {
         const Tile& tile = in.tile();
         if (!s.any) {
             s.any = true;
+            s.head = from.head;
             s.meta = from.head->samples.meta.dump();
             s.samples = from.head->samples.size();
             s.channels = from.head->channels;
@@ -72,6 +75,7 @@ struct WriteTiles {
         if (!s.any) return;
         {
             const std::lock_guard lock(result.mutex);
+            if (s.head) result.head = s.head;
             if (!result.file) {
                 Samples head;
                 read_meta(s.meta, file.path, head);
@@ -112,6 +116,7 @@ struct WriteTiles {
     void close(const Inputs&, Result& result, Outputs&, Context& ctx) const {
         if (file.path.empty()) return;
         if (!result.file) ctx.fail("there were no samples to write");
+        if (result.head) result.head->warn(ctx);
         result.file->close(ctx);
     }
 

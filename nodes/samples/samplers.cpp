@@ -115,13 +115,10 @@ SobolStart sobol_start(std::uint64_t seed, int x, int y, int spp) {
     return start;
 }
 
-const SobolTable& sobol_table() {
-    static const SobolTable table;
-    return table;
-}
+const SobolTable sobol_table;  // made as the program starts: 0.1 ms
 
 std::uint32_t sobol_point(int dimension, std::uint32_t n) {
-    const auto& bytes = sobol_table().of_byte[dimension];
+    const auto& bytes = sobol_table.of_byte[dimension];
     return bytes[0][n & 255] ^ bytes[1][n >> 8 & 255] ^ bytes[2][n >> 16 & 255] ^ bytes[3][n >> 24];
 }
 
@@ -158,17 +155,19 @@ Disk SampleSequence::operator()(std::uint32_t index, std::uint32_t pair) const {
     if (sampler == Sampler::independent) return independent_pair(key, index, dimension);
     if (sampler == Sampler::stratified)
         return stratified_pair({columns, rows}, index, mix(key + std::uint64_t(dimension) + 1));
-    std::uint32_t n = start + index;
-    int from = int(dimension);
+    const std::uint32_t n = start + index;
     if (dimension + 1 >= std::uint32_t(sampler_dimensions)) {
+        const std::uint64_t h = mix(key ^ dimension * 0xd1b54a32d192ed03ull);
         // A bit of the index is flipped or not by those above it: pieces of 2^k stay pieces of 2^k.
-        n = owen_scramble(n, std::uint32_t(mix(key ^ ~std::uint64_t(pair))));
-        from = 0;
+        const std::uint32_t shuffled_n =
+            owen_scramble(n, std::uint32_t(h * 0x9e3779b97f4a7c15ull >> 32));
+        return {unit_float(owen_scramble(reverse_bits(shuffled_n), std::uint32_t(h))),
+                unit_float(owen_scramble(sobol_point(1, shuffled_n), std::uint32_t(h >> 32)))};
     }
     const std::uint64_t a = mix(key + std::uint64_t(dimension) + 1),
                         b = mix(key + std::uint64_t(dimension) + 2);
-    return {unit_float(owen_scramble(sobol_point(from, n), std::uint32_t(a))),
-            unit_float(owen_scramble(sobol_point(from + 1, n), std::uint32_t(b)))};
+    return {unit_float(owen_scramble(sobol_point(int(dimension), n), std::uint32_t(a))),
+            unit_float(owen_scramble(sobol_point(int(dimension) + 1, n), std::uint32_t(b)))};
 }
 
 void fill_samples(Sampler sampler, std::uint64_t seed, int x, int y, int spp, int first, int count,

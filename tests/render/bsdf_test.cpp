@@ -52,7 +52,7 @@ TEST(Bsdf, densities_integrate_to_the_chance_of_a_sample) {
             const Vec3 out = direction(z, 0.7f);
             // Midpoints in (cos, phi); finer about the poles by a cubic map of each hemisphere.
             double sum = 0;
-            constexpr int rows = 800, columns = 600;
+            constexpr int rows = 1200, columns = 1200;
             for (int i = 0; i < rows; ++i)
                 for (int j = 0; j < columns; ++j) {
                     const double s = (i + 0.5) / rows * 2 - 1;
