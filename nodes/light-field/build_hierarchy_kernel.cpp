@@ -291,6 +291,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.mean_spp = unsorted.mean_spp;
     h.radius = unsorted.radius;
     h.lens = unsorted.lens;
+    h.shutter = shutter_of(samples.meta);
     h.moving = unsorted.moving;
     h.color_space = samples.color_space;
     const size_t filled = (n + Hierarchy::group_size - 1) / Hierarchy::group_size * Hierarchy::group_size;

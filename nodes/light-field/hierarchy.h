@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "samples/samples.h"
+#include "samples/lens_shape.h"
 
 namespace weft {
 
@@ -24,6 +24,7 @@ class Hierarchy {
     double mean_spp = 0;
     float radius = 2;  // px: the largest empty disk between samples that may be expected; "R" below
     Lens lens;         // slopes; C0 = C1 = 0 for a pinhole buffer
+    ShutterCurve shutter;  // how far open, over t
     bool moving = false;
     std::string color_space = "lin_rec709";
 

@@ -60,6 +60,7 @@ struct OutputLocations {
             for (int set = 0; set < sets; ++set) {
                 light_field::LensPoint p =
                     light_field::lens_point(seed + 0x9e37u * std::uint64_t(set), std::uint32_t(i), std::uint32_t(slices()), h.lens);
+                p.t = h.shutter.time(p.t);
                 if (lens == Choice::fixed) p.u = u, p.v = v;
                 if (time == Choice::fixed) p.t = t;
                 scratch.points.push_back(p);

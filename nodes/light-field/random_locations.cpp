@@ -52,7 +52,7 @@ struct RandomLocations {
                 const auto uv = light_field::on_lens(a, b, h.lens);
                 at.u.push_back(uv[0]);
                 at.v.push_back(uv[1]);
-                at.t.push_back(number());
+                at.t.push_back(h.shutter.time(number()));
                 at.own_pixels.push_back(std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(x));
             }
         at.pixels = at.own_pixels;

@@ -49,7 +49,7 @@ struct RenderTiles : RenderSamplesNode {
         const auto made = prepare(in, ctx);
         const std::lock_guard lock(shared->mutex);
         shared->head = {empty_samples(made->tracer, made->plan), made->tracer.options().channels,
-                        &made->plan};
+                        &made->plan, {}};
         shared->head.samples.meta = shared->head.samples.meta_object();
         shared->head.warn = [made, told = std::make_shared<std::atomic<bool>>(false),
                              warnings = ctx.warnings](Context& to) {

@@ -28,6 +28,7 @@ std::array<float, 2> on_lens(float a, float b, const Lens& lens) {
 }
 
 ShutterCurve::ShutterCurve(std::span<const float> curve) {
+    if (curve.size() < 2) return;
     double area = 0;
     for (size_t i = 0; i + 1 < curve.size(); ++i)
         area += 0.5 * (std::max(double(curve[i]), 0.0) + std::max(double(curve[i + 1]), 0.0));
@@ -44,6 +45,16 @@ ShutterCurve::ShutterCurve(std::span<const float> curve) {
         if (i + 1 < open_.size())
             sum += 0.5 * (double(open_[i]) + double(open_[i + 1])) / double(open_.size() - 1);
     }
+}
+
+ShutterCurve shutter_of(const Json& meta) {
+    std::vector<float> curve;
+    if (!meta.is(Json::Kind::object)) return {};
+    const Json* list = meta.find("shutter_curve");
+    if (!list || !list->is(Json::Kind::list)) return {};
+    for (const Json& open : list->items)
+        if (open.is(Json::Kind::number)) curve.push_back(float(open.number));
+    return ShutterCurve(curve);
 }
 
 float ShutterCurve::time(float number) const {

@@ -27,4 +27,7 @@ class ShutterCurve {
     std::vector<double> sum_;  // of all before each step
 };
 
+// `shutter_curve` of a buffer's meta; open all the time where there is none.
+ShutterCurve shutter_of(const Json& meta);
+
 }  // namespace weft

@@ -176,5 +176,52 @@ TEST(Samplers, the_disk_map_keeps_areas) {
     EXPECT_NEAR(edge.v, std::sin(0.392699f), 1e-6);
 }
 
+TEST(Samplers, pairs_of_any_number_keep_the_samplers_promise) {
+    for (const Sampler sampler : all_samplers) {
+        const SampleSequence sequence = sample_sequence(sampler, 5, 13, 7, 16);
+        const auto flat = points(sampler, 5, 13, 7, 16, 10);
+        for (const std::uint32_t pair : {0u, 1u, 4u, 5u, 6u, 20u, 1000u}) {
+            std::vector<float> a, b;
+            for (std::uint32_t i = 0; i < 16; ++i) {
+                const Disk d = sequence(i, pair);
+                a.push_back(d.u), b.push_back(d.v);
+                if (pair >= 5) continue;
+                EXPECT_EQ(d.u, flat[2 * pair][i]);
+                EXPECT_EQ(d.v, flat[2 * pair + 1][i]);
+            }
+            if (sampler == Sampler::independent) continue;
+            EXPECT_TRUE(stratified(a)) << int(sampler) << " pair " << pair;
+            EXPECT_TRUE(stratified(b)) << int(sampler) << " pair " << pair;
+            EXPECT_TRUE((pair > 0 && pair < 5) || in_grid(a, b, 4, 4))
+                << int(sampler) << " pair " << pair;
+        }
+    }
+}
+
+// At one sample a pixel the pixels of an aligned 4 x 4 block share the work, in padded pairs too.
+TEST(Samplers, neighbouring_pixels_share_one_sequence_in_every_pair) {
+    for (const std::uint32_t pair : {0u, 7u, 31u}) {
+        std::vector<float> a, b;
+        for (int y = 8; y < 12; ++y)
+            for (int x = 20; x < 24; ++x) {
+                const Disk d = sample_sequence(Sampler::sobol, 3, x, y, 1)(0, pair);
+                a.push_back(d.u), b.push_back(d.v);
+            }
+        EXPECT_TRUE(stratified(a) && stratified(b)) << pair;
+        EXPECT_TRUE(in_grid(a, b, 4, 4)) << pair;
+    }
+}
+
+TEST(Samplers, padded_pairs_are_independent_of_each_other) {
+    double product = 0;
+    constexpr int side = 64;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const SampleSequence s = sample_sequence(Sampler::sobol, 3, x, y, 1);
+            product += (double(s(0, 6).u) - 0.5) * (double(s(0, 9).u) - 0.5);
+        }
+    EXPECT_NEAR(product / (side * side), 0, 4.0 / 12 / side);
+}
+
 }  // namespace
 }  // namespace weft
