@@ -66,6 +66,7 @@ class Reader {
         for (size_t i = 0; i < count; ++i)
             for (const int child : model_.nodes[i].children) {
                 const size_t c = file_.index(child, count, named(i), "child");
+                if (c == i) file_.fail(named(c), "it is its own child");
                 if (parent[c] >= 0)
                     file_.fail(named(c),
                                fmt::format("it is a child of nodes {} and {}; a node has one "

@@ -222,7 +222,7 @@ TEST(Gltf, BrokenFilesAreTold) {
     says(mesh(R"({"attributes":{"POSITION":0},"indices":0})"), "accessor 0: not a list of indices");
     says(mesh(R"({"attributes":{"POSITION":0},"indices":1,"material":3})"), "material 3 of 0");
     says(R"("nodes":[{"mesh":4}])", "node 0: mesh 4 of 0");
-    says(R"("nodes":[{"children":[0]}])", "nothing to see");
+    says(R"("nodes":[{"children":[0]}],"scenes":[{"nodes":[0]}])", "node 0: it is its own child");
     says(
         R"("nodes":[{"children":[1]},{"children":[0],"mesh":0}],"scenes":[{"nodes":[0]}],"meshes":[])",
         "node 0: it is its own ancestor");
