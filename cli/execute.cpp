@@ -40,7 +40,8 @@ void compare_inputs(const std::string& picture, const std::string& recorded) {
         std::error_code error;
         if (!std::filesystem::exists(path->text, error)) continue;  // its reader will say so
         if (content_hash(path->text) != hash->text)
-            complain(fmt::format("warning: {}: has changed since {} was made", path->text, picture));
+            complain(
+                fmt::format("warning: {}: has changed since {} was made", path->text, picture));
     }
 }
 
@@ -49,10 +50,14 @@ Loaded load_from_picture(const std::string& picture, const LoadOptions& options)
     const auto attributes = picture_info(picture).attributes;
     const auto graph = attributes.find("weft:graph");
     if (graph == attributes.end())
-        throw Error(fmt::format("{}: carries no graph; only pictures that Weft wrote can be run again", picture));
-    if (const auto inputs = attributes.find("weft:inputs"); inputs != attributes.end()) compare_inputs(picture, inputs->second);
-    if (const auto version = attributes.find("weft:version"); version != attributes.end() && version->second != program_version)
-        complain(fmt::format("warning: {}: made by weft {}, this is {}", picture, version->second, program_version));
+        throw Error(fmt::format(
+            "{}: carries no graph; only pictures that Weft wrote can be run again", picture));
+    if (const auto inputs = attributes.find("weft:inputs"); inputs != attributes.end())
+        compare_inputs(picture, inputs->second);
+    if (const auto version = attributes.find("weft:version");
+        version != attributes.end() && version->second != program_version)
+        complain(fmt::format("warning: {}: made by weft {}, this is {}", picture, version->second,
+                             program_version));
     return load_graph_text(graph->second, picture, Registry::instance(), options);
 }
 
@@ -75,33 +80,41 @@ Loaded load_for_run(const std::string& graph, const Overrides& overrides) {
     LoadOptions load;
     load.overrides = overrides;
     load.for_run = true;
-    return is_picture(graph) ? load_from_picture(graph, load) : load_graph(graph, Registry::instance(), load);
+    return is_picture(graph) ? load_from_picture(graph, load)
+                             : load_graph(graph, Registry::instance(), load);
 }
 
 std::string file_parameter(const Graph& graph, const std::string& name) {
     for (const GraphParameter& parameter : graph.parameters)
-        if (parameter.decl.name == name && parameter.decl.kind == Kind::file) return parameter.value.text;
+        if (parameter.decl.name == name && parameter.decl.kind == Kind::file)
+            return parameter.value.text;
     return "";
 }
 
 std::string part_name(const Graph& graph, const Shard& shard) {
     std::filesystem::path out = file_parameter(graph, "out");
     if (out.empty()) out = std::filesystem::path(graph.name).filename();
-    return out.replace_extension(fmt::format(".shard-{}-of-{}.part", shard.index, shard.count)).string();
+    return out.replace_extension(fmt::format(".shard-{}-of-{}.part", shard.index, shard.count))
+        .string();
 }
 
 std::string parameter_of_out(const PartHeader& header) {
-    if (header.files.empty()) throw Error(fmt::format("{}: writes no file; there is nothing to merge", header.graph_name));
+    if (header.files.empty())
+        throw Error(
+            fmt::format("{}: writes no file; there is nothing to merge", header.graph_name));
     if (header.files.count("out")) return "out";
     if (header.files.size() == 1) return header.files.begin()->first;
     std::vector<std::string> names;
     for (const auto& [name, value] : header.files) names.push_back(name);
-    throw UsageError(fmt::format("{}: writes several files and none is called 'out', so it is not known which OUT is; give the graph a "
-                                 "parameter 'out' (it has {})",
-                                 header.graph_name, fmt::join(names, ", ")));
+    throw UsageError(
+        fmt::format("{}: writes several files and none is called 'out', so it is not known which "
+                    "OUT is; give the graph a "
+                    "parameter 'out' (it has {})",
+                    header.graph_name, fmt::join(names, ", ")));
 }
 
-Status execute(const Plan& plan, Executor& executor, RunOptions run, const ExecuteOptions& options, RunResult& result) {
+Status execute(const Plan& plan, Executor& executor, RunOptions run, const ExecuteOptions& options,
+               RunResult& result) {
     run.stop = &interruption();
     catch_interruptions();
     Monitor monitor;
@@ -115,7 +128,8 @@ Status execute(const Plan& plan, Executor& executor, RunOptions run, const Execu
         result = run_plan(plan, executor, monitor, run);
     }
     print_errors(result);
-    if (!options.report.empty()) write_file(options.report, report_json(result, plan, executor.threads()));
+    if (!options.report.empty())
+        write_file(options.report, report_json(result, plan, executor.threads()));
     if (!options.trace.empty()) write_file(options.trace, monitor.trace());
     if (result.cancelled) {
         complain("interrupted; no partial file was left");

@@ -1,4 +1,5 @@
-// What run, merge and a farm's shards have in common: options of a run, from a graph to an exit status.
+// What run, merge and a farm's shards have in common: options of a run, from a graph to an exit
+// status.
 #pragma once
 #include <memory>
 #include <string>
@@ -20,7 +21,8 @@ std::string part_name(const Graph& graph, const Shard& shard);
 // Text of a graph parameter that names a file, or "".
 std::string file_parameter(const Graph& graph, const std::string& name);
 
-// The graph parameter that a merge's OUT stands for: 'out', or the only one that names a file to write.
+// The graph parameter that a merge's OUT stands for: 'out', or the only one that names a file to
+// write.
 std::string parameter_of_out(const PartHeader& header);
 
 struct ExecuteOptions {
@@ -28,6 +30,7 @@ struct ExecuteOptions {
     std::string report, trace;
 };
 // Runs with progress; prints errors. After it: reports and traces are written, `result` is filled.
-Status execute(const Plan& plan, Executor& executor, RunOptions run, const ExecuteOptions& options, RunResult& result);
+Status execute(const Plan& plan, Executor& executor, RunOptions run, const ExecuteOptions& options,
+               RunResult& result);
 
 }  // namespace weft::cli

@@ -1,5 +1,6 @@
-// FarmEngine: who runs a farm's shards. It starts run.sh for each, says what became of them, and starts the
-// merge once all are done. Whether a shard is done is told by its part, never by the engine.
+// FarmEngine: who runs a farm's shards. It starts run.sh for each, says what became of them, and
+// starts the merge once all are done. Whether a shard is done is told by its part, never by the
+// engine.
 #pragma once
 #include <map>
 #include <memory>
@@ -15,7 +16,8 @@ struct FarmState {
     What what = waiting;
     std::string word;  // the engine's own for it, "TIMEOUT", "exit status 1"; for messages
 };
-using FarmStates = std::map<int, FarmState>;  // by shard; 0: the merge. Not there: never submitted, or long gone
+using FarmStates =
+    std::map<int, FarmState>;  // by shard; 0: the merge. Not there: never submitted, or long gone
 
 class FarmEngine {
   public:
@@ -27,7 +29,8 @@ class FarmEngine {
     // A shard failed: the merge must not wait for ever.
     virtual void cancel_merge(const FarmJob& job) = 0;
     // What submit() would run, a line each.
-    virtual std::vector<std::string> commands(const FarmJob& job, const std::vector<int>& shards) const = 0;
+    virtual std::vector<std::string> commands(const FarmJob& job,
+                                              const std::vector<int>& shards) const = 0;
     // Ctrl-C came: either jobs go on without us, or they are ended here. Returns what to tell.
     virtual std::string leave(const FarmJob& job) = 0;
 };

@@ -52,22 +52,36 @@ std::string command(const std::vector<std::string>& words) {
 
 }  // namespace
 
-std::string FarmJob::part(int shard) const { return path(fmt::format("parts/{}.part", shard)); }
-std::string FarmJob::log(int shard) const { return shard == 0 ? path("logs/merge.log") : path(fmt::format("logs/{}.log", shard)); }
-std::string FarmJob::name_of(int shard) const { return shard == 0 ? "the merge" : fmt::format("shard {}/{}", shard, shards()); }
-bool FarmJob::merged() const { return fs::exists(path("merged")); }
+std::string FarmJob::part(int shard) const {
+    return path(fmt::format("parts/{}.part", shard));
+}
+std::string FarmJob::log(int shard) const {
+    return shard == 0 ? path("logs/merge.log") : path(fmt::format("logs/{}.log", shard));
+}
+std::string FarmJob::name_of(int shard) const {
+    return shard == 0 ? "the merge" : fmt::format("shard {}/{}", shard, shards());
+}
+bool FarmJob::merged() const {
+    return fs::exists(path("merged"));
+}
 
 bool FarmJob::has_part(int shard, std::string* why) const {
     if (!fs::exists(part(shard))) return false;
     std::string reason;
     try {
         const PartHeader found = PartFile(part(shard)).header();
-        if (found.shard != Shard{shard, shards()}) reason = fmt::format("it is shard {}", found.shard.text());
-        else if (found.key != header.key) reason = "its key differs: made of other input, or with other parameters";
-        else if (found.provenance.graph != header.provenance.graph) reason = "made of another graph";
-        else if (found.isa != header.isa) reason = fmt::format("made with instruction set {}", found.isa);
-        else if (found.tile != header.tile) reason = fmt::format("made with tiles of {} pixels", found.tile);
-        else if (found.provenance.version != header.provenance.version) reason = fmt::format("made by weft {}", found.provenance.version);
+        if (found.shard != Shard{shard, shards()})
+            reason = fmt::format("it is shard {}", found.shard.text());
+        else if (found.key != header.key)
+            reason = "its key differs: made of other input, or with other parameters";
+        else if (found.provenance.graph != header.provenance.graph)
+            reason = "made of another graph";
+        else if (found.isa != header.isa)
+            reason = fmt::format("made with instruction set {}", found.isa);
+        else if (found.tile != header.tile)
+            reason = fmt::format("made with tiles of {} pixels", found.tile);
+        else if (found.provenance.version != header.provenance.version)
+            reason = fmt::format("made by weft {}", found.provenance.version);
     } catch (const Error& error) {
         reason = error.what();
     }
@@ -81,8 +95,11 @@ std::string FarmJob::script_text() const {
         sets.push_back("--set");
         sets.push_back(fmt::format("{}={}", name, value));
     }
-    for (const std::string& folder_of_nodes : nodes) plugins.insert(plugins.end(), {"--nodes", folder_of_nodes});
-    run = {program, "run", path("graph.json"), "--isa", header.isa, "--tile", std::to_string(header.tile), "--expect", path("job.json")};
+    for (const std::string& folder_of_nodes : nodes)
+        plugins.insert(plugins.end(), {"--nodes", folder_of_nodes});
+    run = {program,         "run",    path("graph.json"),          "--isa",
+           header.isa,      "--tile", std::to_string(header.tile), "--expect",
+           path("job.json")};
     for (const std::string& node : divide) run.insert(run.end(), {"--divide", node});
     if (!memory.empty()) run.insert(run.end(), {"--memory", memory});
     run.insert(run.end(), plugins.begin(), plugins.end());
@@ -91,7 +108,9 @@ std::string FarmJob::script_text() const {
     merge.insert(merge.end(), plugins.begin(), plugins.end());
     if (!memory.empty()) merge.insert(merge.end(), {"--memory", memory});
     // OUT is the graph's 'out' or the only name of a file that it has.
-    const std::string own = header.files.count("out") ? "out" : header.files.size() == 1 ? header.files.begin()->first : "";
+    const std::string own = header.files.count("out")  ? "out"
+                            : header.files.size() == 1 ? header.files.begin()->first
+                                                       : "";
     for (const auto& [name, value] : header.files)
         if (name != own) merge.insert(merge.end(), {"--set", fmt::format("{}={}", name, value)});
     merge.push_back(own.empty() ? "" : header.files.at(own));
@@ -109,9 +128,11 @@ else
     exec {run} --shard "$1/{shards}" --part {parts}/"$1.part" ${{threads:+--threads "$threads"}}
 fi
 )",
-        fmt::arg("graph", fs::path(graph).filename().string()), fmt::arg("shards", shards()), fmt::arg("work", shell_quoted(work)),
-        fmt::arg("threads", threads > 0 ? std::to_string(threads) : ""), fmt::arg("merge", command(merge)),
-        fmt::arg("merged", shell_quoted(path("merged"))), fmt::arg("run", command(run)), fmt::arg("parts", shell_quoted(path("parts"))));
+        fmt::arg("graph", fs::path(graph).filename().string()), fmt::arg("shards", shards()),
+        fmt::arg("work", shell_quoted(work)),
+        fmt::arg("threads", threads > 0 ? std::to_string(threads) : ""),
+        fmt::arg("merge", command(merge)), fmt::arg("merged", shell_quoted(path("merged"))),
+        fmt::arg("run", command(run)), fmt::arg("parts", shell_quoted(path("parts"))));
 }
 
 void FarmJob::write() const {
@@ -133,7 +154,9 @@ void FarmJob::write() const {
     fs::permissions(script(), fs::perms::owner_exec | fs::perms::group_exec, fs::perm_options::add);
 }
 
-bool FarmJob::is_there(const std::string& folder) { return fs::exists(folder + "/job.json"); }
+bool FarmJob::is_there(const std::string& folder) {
+    return fs::exists(folder + "/job.json");
+}
 
 FarmJob FarmJob::read(const std::string& folder) {
     FarmJob job;
@@ -143,7 +166,9 @@ FarmJob FarmJob::read(const std::string& folder) {
     const Json in = parse_json_or_throw(text, file);
     const auto member = [&](const char* name) {
         const Json* found = in.find(name);
-        if (!found) throw Error(fmt::format("{}: '{}' is missing; it is no job of 'weft farm'", file, name));
+        if (!found)
+            throw Error(
+                fmt::format("{}: '{}' is missing; it is no job of 'weft farm'", file, name));
         return *found;
     };
     job.program = member("program").text;

@@ -17,16 +17,16 @@
 namespace weft::cli {
 
 struct FarmJob {
-    std::string folder;   // absolute, as all paths in it are
-    std::string program;  // this one
-    std::string work;     // where files' names are relative to
-    std::string graph;    // as it was named
-    std::string engine;   // "slurm", "local"
-    std::string out;      // the graph's 'out', "" where it has none
-    PartHeader header;    // what every part must say, but for its shard's index
+    std::string folder;                      // absolute, as all paths in it are
+    std::string program;                     // this one
+    std::string work;                        // where files' names are relative to
+    std::string graph;                       // as it was named
+    std::string engine;                      // "slurm", "local"
+    std::string out;                         // the graph's 'out', "" where it has none
+    PartHeader header;                       // what every part must say, but for its shard's index
     std::vector<std::string> nodes, divide;  // --nodes, --divide
-    std::string memory;   // --memory, "" for none
-    int threads = 0;      // of a shard; 0: what the engine gives it
+    std::string memory;                      // --memory, "" for none
+    int threads = 0;                         // of a shard; 0: what the engine gives it
 
     int shards() const { return header.shard.count; }
     std::string part(int shard) const;
@@ -41,10 +41,11 @@ struct FarmJob {
     std::string script() const { return path("run.sh"); }
     std::string script_text() const;
 
-    void write() const;                                 // job.json, graph.json, run.sh, folders
-    static FarmJob read(const std::string& folder);     // throws Error
+    void write() const;                              // job.json, graph.json, run.sh, folders
+    static FarmJob read(const std::string& folder);  // throws Error
     static bool is_there(const std::string& folder);
-    void forget(const std::vector<int>& shards) const;  // parts, logs and 'merged' of an earlier try
+    void forget(
+        const std::vector<int>& shards) const;  // parts, logs and 'merged' of an earlier try
 };
 
 // The last lines of a log, indented; "(empty)".

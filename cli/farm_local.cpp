@@ -1,5 +1,5 @@
-// The local engine: shards as processes of this machine, some at a time. For tests, and for runs that would
-// not fit in memory whole. Its processes end with this program.
+// The local engine: shards as processes of this machine, some at a time. For tests, and for runs
+// that would not fit in memory whole. Its processes end with this program.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/types.h>
@@ -40,8 +40,12 @@ class LocalEngine final : public FarmEngine {
             const int shard = process->first;
             process = running_.erase(process);
             // Killed, by hand or for want of memory: it is tried again, as a farm would.
-            if (status == 128 + SIGKILL && ++killed_[shard] <= most_kills) waiting_.push_front(shard);
-            else states_[shard] = {FarmState::ended, status > 128 ? fmt::format("ended by signal {}", status - 128) : fmt::format("exit status {}", status)};
+            if (status == 128 + SIGKILL && ++killed_[shard] <= most_kills)
+                waiting_.push_front(shard);
+            else
+                states_[shard] = {FarmState::ended,
+                                  status > 128 ? fmt::format("ended by signal {}", status - 128)
+                                               : fmt::format("exit status {}", status)};
         }
         while (!waiting_.empty() && running_.size() < size_t(at_once_)) {
             start(job, waiting_.front());
@@ -61,9 +65,11 @@ class LocalEngine final : public FarmEngine {
         states_.erase(0);
     }
 
-    std::vector<std::string> commands(const FarmJob& job, const std::vector<int>& shards) const override {
+    std::vector<std::string> commands(const FarmJob& job,
+                                      const std::vector<int>& shards) const override {
         std::vector<std::string> all;
-        for (const int shard : shards) all.push_back(fmt::format("{}", fmt::join(arguments(job, shard), " ")));
+        for (const int shard : shards)
+            all.push_back(fmt::format("{}", fmt::join(arguments(job, shard), " ")));
         all.push_back(fmt::format("{}", fmt::join(arguments(job, 0), " ")));
         return all;
     }
@@ -78,8 +84,11 @@ class LocalEngine final : public FarmEngine {
 
     std::vector<std::string> arguments(const FarmJob& job, int shard) const {
         const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
-        const int threads = job.threads > 0 ? job.threads : shard == 0 ? cores : std::max(1, cores / at_once_);
-        return {"/bin/sh", job.script(), shard == 0 ? "merge" : std::to_string(shard), std::to_string(threads)};
+        const int threads = job.threads > 0 ? job.threads
+                            : shard == 0    ? cores
+                                            : std::max(1, cores / at_once_);
+        return {"/bin/sh", job.script(), shard == 0 ? "merge" : std::to_string(shard),
+                std::to_string(threads)};
     }
 
     void start(const FarmJob& job, int shard) {
@@ -109,6 +118,8 @@ class LocalEngine final : public FarmEngine {
 
 }  // namespace
 
-std::unique_ptr<FarmEngine> make_local_engine(const EngineOptions& options) { return std::make_unique<LocalEngine>(options); }
+std::unique_ptr<FarmEngine> make_local_engine(const EngineOptions& options) {
+    return std::make_unique<LocalEngine>(options);
+}
 
 }  // namespace weft::cli

@@ -22,11 +22,14 @@ int merge(const MergeCommand& options) {
     for (const std::string& set : options.set) {
         const std::string name = set.substr(0, set.find('='));
         if (!header.files.count(name) || name == out)
-            throw UsageError(fmt::format("--set {}: a merge only takes names of files to write; {}", set,
-                                         header.files.size() > 1 ? "see 'parameters' in the graph" : "here OUT is the only one"));
+            throw UsageError(fmt::format("--set {}: a merge only takes names of files to write; {}",
+                                         set,
+                                         header.files.size() > 1 ? "see 'parameters' in the graph"
+                                                                 : "here OUT is the only one"));
         load.overrides.set.push_back(set);
     }
-    const Loaded loaded = load_graph_text(header.provenance.graph, options.parts.front(), Registry::instance(), load);
+    const Loaded loaded =
+        load_graph_text(header.provenance.graph, options.parts.front(), Registry::instance(), load);
     print_findings(loaded.findings);
     if (!loaded.ok()) return failed;
 
@@ -42,7 +45,8 @@ int merge(const MergeCommand& options) {
     run_options.provenance = header.provenance;
     run_options.parts = &parts;
     RunResult result;
-    return execute(plan, *executor, run_options, {options.quiet, options.report, options.trace}, result);
+    return execute(plan, *executor, run_options, {options.quiet, options.report, options.trace},
+                   result);
 }
 
 }  // namespace weft::cli

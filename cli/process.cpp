@@ -26,7 +26,8 @@ int status_of(int wait_status) {
 
 std::vector<char*> pointers(const std::vector<std::string>& arguments) {
     std::vector<char*> all;
-    for (const std::string& argument : arguments) all.push_back(const_cast<char*>(argument.c_str()));
+    for (const std::string& argument : arguments)
+        all.push_back(const_cast<char*>(argument.c_str()));
     all.push_back(nullptr);
     return all;
 }
@@ -71,8 +72,10 @@ ProcessResult run_process(const std::vector<std::string>& arguments) {
             if (!open[i] || wait[i].revents == 0) continue;
             char block[4096];
             const ssize_t got = ::read(pipes[i][0], block, sizeof block);
-            if (got > 0) texts[i]->append(block, size_t(got));
-            else if (got == 0 || errno != EINTR) open[i] = false;
+            if (got > 0)
+                texts[i]->append(block, size_t(got));
+            else if (got == 0 || errno != EINTR)
+                open[i] = false;
         }
     }
     for (auto& ends : pipes) ::close(ends[0]);

@@ -28,7 +28,8 @@ size_t task_of(const Plan& plan, const std::string& node) {
     std::vector<std::string> names;
     for (const Task& task : plan.tasks)
         for (int n : task.nodes) names.push_back(plan.graph->nodes[size_t(n)].name);
-    throw UsageError(fmt::format("--divide {}: no node of this plan has that name{}", node, suggestion(node, names)));
+    throw UsageError(fmt::format("--divide {}: no node of this plan has that name{}", node,
+                                 suggestion(node, names)));
 }
 
 std::string quoted(const Plan& plan, const std::vector<size_t>& tasks) {
@@ -37,21 +38,26 @@ std::string quoted(const Plan& plan, const std::vector<size_t>& tasks) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::vector<size_t> chosen_tasks(const Plan& plan, const std::vector<std::string>& nodes, const std::vector<size_t>& candidates) {
+std::vector<size_t> chosen_tasks(const Plan& plan, const std::vector<std::string>& nodes,
+                                 const std::vector<size_t>& candidates) {
     std::vector<size_t> chosen;
     for (const std::string& node : nodes) {
         const size_t t = task_of(plan, node);
         if (std::count(candidates.begin(), candidates.end(), t) == 0)
-            throw UsageError(fmt::format("--divide {}: '{}' cannot be divided among shards; of this graph {}", node, plan.tasks[t].name,
-                                         candidates.empty() ? "nothing can" : quoted(plan, candidates) + " can"));
+            throw UsageError(fmt::format(
+                "--divide {}: '{}' cannot be divided among shards; of this graph {}", node,
+                plan.tasks[t].name,
+                candidates.empty() ? "nothing can" : quoted(plan, candidates) + " can"));
         if (std::count(chosen.begin(), chosen.end(), t) == 0) chosen.push_back(t);
     }
     for (const size_t t : chosen) {
         const std::vector<bool> later = after(plan, t);
         for (const size_t other : chosen)
             if (later[other])
-                throw UsageError(fmt::format("--divide: '{}' waits for '{}', so a shard cannot do a part of both; name one of them",
-                                             plan.tasks[other].name, plan.tasks[t].name));
+                throw UsageError(
+                    fmt::format("--divide: '{}' waits for '{}', so a shard cannot do a part of "
+                                "both; name one of them",
+                                plan.tasks[other].name, plan.tasks[t].name));
     }
     std::sort(chosen.begin(), chosen.end());
     return chosen;
@@ -68,21 +74,26 @@ std::vector<size_t> divided_tasks(const Plan& plan, const std::vector<std::strin
     } else {
         for (const size_t t : candidates) {
             const std::vector<bool> later = after(plan, t);
-            if (std::none_of(candidates.begin(), candidates.end(), [&](size_t other) { return later[other]; })) divided.push_back(t);
+            if (std::none_of(candidates.begin(), candidates.end(),
+                             [&](size_t other) { return later[other]; }))
+                divided.push_back(t);
         }
         if (divided.empty())
             throw UsageError(
-                "nothing in this graph can be divided among shards: it has no stream segment, and no node that makes its "
+                "nothing in this graph can be divided among shards: it has no stream segment, and "
+                "no node that makes its "
                 "result in pieces; run it whole, without --shard");
     }
     for (const size_t t : divided)
         for (int n : plan.tasks[t].nodes) {
             const NodeInstance& instance = *plan.instances[size_t(n)];
-            if (!plan.tasks[t].segment || instance.form() != Form::sink || instance.divides()) continue;
+            if (!plan.tasks[t].segment || instance.form() != Form::sink || instance.divides())
+                continue;
             const GraphNode& node = plan.graph->nodes[size_t(n)];
-            throw UsageError(fmt::format("'{}' ({}) cannot hand out its tiles, so '{}' cannot be divided among shards; "
-                                         "swap that node, choose what is divided with --divide NODE, or run without --shard",
-                                         node.name, node.type->type, plan.tasks[t].name));
+            throw UsageError(fmt::format(
+                "'{}' ({}) cannot hand out its tiles, so '{}' cannot be divided among shards; "
+                "swap that node, choose what is divided with --divide NODE, or run without --shard",
+                node.name, node.type->type, plan.tasks[t].name));
         }
     return divided;
 }

@@ -58,13 +58,15 @@ class PartPieces final : public Pieces {
 };
 
 // One sink of a segment: its tiles in, its value out.
-void join_sink(const Plan& plan, int node, Values& values, NodeContext& ctx, const Parts& parts, std::uint32_t index, std::uint32_t sink) {
+void join_sink(const Plan& plan, int node, Values& values, NodeContext& ctx, const Parts& parts,
+               std::uint32_t index, std::uint32_t sink) {
     const NodeInstance& instance = *plan.instances[size_t(node)];
     const DividedTask& made = parts.header().tasks[index];
     const TileGrid grid(made.extent, parts.header().tile);
     if (grid.size() != made.items)
-        throw Error(fmt::format("the parts hold {} tiles of '{}', {} x {} pixels have {}", made.items, made.name, made.extent.width,
-                                made.extent.height, grid.size()));
+        throw Error(fmt::format("the parts hold {} tiles of '{}', {} x {} pixels have {}",
+                                made.items, made.name, made.extent.width, made.extent.height,
+                                grid.size()));
     const Inputs in = empty_inputs(plan.graph->nodes[size_t(node)], made.extent);
     const std::shared_ptr<void> result = instance.make_result();
     instance.open(in, made.extent, result.get());
@@ -89,7 +91,9 @@ void join_sink(const Plan& plan, int node, Values& values, NodeContext& ctx, con
             } catch (const Error& error) {
                 throw Error(fmt::format("{}: tile {} {}", parts.path_of(t), t, error.what()));
             }
-            if (from.left() > 0) throw Error(fmt::format("{}: tile {} holds more than this graph makes", parts.path_of(t), t));
+            if (from.left() > 0)
+                throw Error(fmt::format("{}: tile {} holds more than this graph makes",
+                                        parts.path_of(t), t));
             instance.end(tile_in, scratch.get(), result.get());
             ctx.progress(double(++finished), double(grid.size()), "tiles");
         }
@@ -102,8 +106,8 @@ void join_sink(const Plan& plan, int node, Values& values, NodeContext& ctx, con
 
 }  // namespace
 
-void run_pieces(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, const RunOptions& options, DividedTask& made,
-                std::uint32_t index) {
+void run_pieces(const Plan& plan, const Task& task, Values& values, NodeContext& ctx,
+                const RunOptions& options, DividedTask& made, std::uint32_t index) {
     const int node = task.nodes.front();
     const NodeInstance& instance = *plan.instances[size_t(node)];
     guarded(node, [&] {
@@ -125,7 +129,8 @@ void run_pieces(const Plan& plan, const Task& task, Values& values, NodeContext&
     });
 }
 
-void join_task(const Plan& plan, const Task& task, Values& values, NodeContext& ctx, const RunOptions& options) {
+void join_task(const Plan& plan, const Task& task, Values& values, NodeContext& ctx,
+               const RunOptions& options) {
     const Parts& parts = *options.parts;
     const int first = task.nodes.front();
     std::uint32_t index = 0;
@@ -141,7 +146,8 @@ void join_task(const Plan& plan, const Task& task, Values& values, NodeContext& 
     for (const int node : task.nodes) {
         if (plan.instances[size_t(node)]->form() != Form::sink) continue;
         guarded(node, [&] {
-            const auto found = std::find(sinks.begin(), sinks.end(), plan.graph->nodes[size_t(node)].name);
+            const auto found =
+                std::find(sinks.begin(), sinks.end(), plan.graph->nodes[size_t(node)].name);
             if (found == sinks.end()) throw Error("the parts hold nothing of it");
             join_sink(plan, node, values, ctx, parts, index, std::uint32_t(found - sinks.begin()));
         });

@@ -30,7 +30,8 @@ Json plain(const Json& value) {
 
 class Maker {
   public:
-    Maker(const Plan& plan, const FilesRead& files) : plan_(plan), graph_(*plan.graph), files_(files) {}
+    Maker(const Plan& plan, const FilesRead& files)
+        : plan_(plan), graph_(*plan.graph), files_(files) {}
 
     Keys make() {
         keys_.outputs.resize(graph_.nodes.size());
@@ -38,7 +39,8 @@ class Maker {
         for (size_t n = 0; n < graph_.nodes.size(); ++n) {
             const NodeDecl& type = *graph_.nodes[n].type;
             const std::string text = text_of(int(n));
-            for (const PortDecl& port : type.outputs) keys_.outputs[n].push_back(hash(fmt::format("{} {}", port.name, text)));
+            for (const PortDecl& port : type.outputs)
+                keys_.outputs[n].push_back(hash(fmt::format("{} {}", port.name, text)));
             if (type.writes) ends.push_back(text);
         }
         for (const auto& [name, link] : graph_.outputs) ends.push_back(keys_.of(link).text());
@@ -71,7 +73,8 @@ class Maker {
         Json all = Json::list();
         if (const auto& instance = plan_.instances[size_t(node)])
             for (const std::string& path : instance->reads())
-                if (const auto file = files_.find(path); file != files_.end()) all.items.push_back(content(file->second));
+                if (const auto file = files_.find(path); file != files_.end())
+                    all.items.push_back(content(file->second));
         return all;
     }
 
@@ -84,7 +87,8 @@ class Maker {
             for (const Link& link : n.inputs[i]) {
                 links.items.push_back(Json(keys_.of(link).text()));
                 if (port.need == Need::variadic)
-                    links.items.push_back(Json(name_seen_from(n.name, graph_.nodes[size_t(link.node)].name)));
+                    links.items.push_back(
+                        Json(name_seen_from(n.name, graph_.nodes[size_t(link.node)].name)));
             }
         }
         return in;
@@ -92,8 +96,8 @@ class Maker {
 
     std::string text_of(int node) const {
         const NodeDecl& type = *graph_.nodes[size_t(node)].type;
-        return Json::list({Json(type.type), Json(type.version), Json(name_of(active_isa())), parameters(node),
-                           further_files(node), inputs(node)})
+        return Json::list({Json(type.type), Json(type.version), Json(name_of(active_isa())),
+                           parameters(node), further_files(node), inputs(node)})
             .dump();
     }
 
@@ -105,8 +109,12 @@ class Maker {
 
 }  // namespace
 
-std::string Key::text() const { return fmt::format("{:016x}{:016x}", high, low); }
+std::string Key::text() const {
+    return fmt::format("{:016x}{:016x}", high, low);
+}
 
-Keys make_keys(const Plan& plan, const FilesRead& files) { return Maker(plan, files).make(); }
+Keys make_keys(const Plan& plan, const FilesRead& files) {
+    return Maker(plan, files).make();
+}
 
 }  // namespace weft

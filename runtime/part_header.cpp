@@ -16,14 +16,20 @@ class Reader {
         if (!found || !found->is(kind)) wrong(name);
         return *found;
     }
-    const std::string& text(const Json& object, const char* name) const { return member(object, name, Json::Kind::text).text; }
-    std::int64_t whole(const Json& object, const char* name, std::int64_t low, std::int64_t high) const {
+    const std::string& text(const Json& object, const char* name) const {
+        return member(object, name, Json::Kind::text).text;
+    }
+    std::int64_t whole(const Json& object, const char* name, std::int64_t low,
+                       std::int64_t high) const {
         const Json& value = member(object, name, Json::Kind::number);
-        if (!value.is_integer || value.is_unsigned || value.integer < low || value.integer > high) wrong(name);
+        if (!value.is_integer || value.is_unsigned || value.integer < low || value.integer > high)
+            wrong(name);
         return value.integer;
     }
     [[noreturn]] void wrong(const std::string& name) const {
-        throw Error(fmt::format("{}: is damaged: '{}' in its header makes no sense; make this part again", path_, name));
+        throw Error(
+            fmt::format("{}: is damaged: '{}' in its header makes no sense; make this part again",
+                        path_, name));
     }
 
   private:
@@ -35,7 +41,8 @@ constexpr std::int64_t most = std::int64_t{1} << 52;
 Shape shape_of(const Json& list, const Reader& read) {
     if (list.items.size() != 5) read.wrong("shapes");
     for (const Json& item : list.items)
-        if (!item.is(Json::Kind::number) || !(item.number >= 0 && item.number < double(most))) read.wrong("shapes");
+        if (!item.is(Json::Kind::number) || !(item.number >= 0 && item.number < double(most)))
+            read.wrong("shapes");
     const auto number = [&](size_t i) { return std::int64_t(list.items[i].number); };
     return {number(0), number(1), number(2), number(3), list.items[4].number};
 }
@@ -44,7 +51,8 @@ DividedTask task_of(const Json& one, const Reader& read) {
     DividedTask task;
     task.node = read.text(one, "node");
     task.name = read.text(one, "name");
-    task.extent = {int(read.whole(one, "width", 0, 1 << 30)), int(read.whole(one, "height", 0, 1 << 30))};
+    task.extent = {int(read.whole(one, "width", 0, 1 << 30)),
+                   int(read.whole(one, "height", 0, 1 << 30))};
     task.items = std::uint64_t(read.whole(one, "items", 0, most));
     for (const Json& sink : read.member(one, "sinks", Json::Kind::list).items) {
         if (!sink.is(Json::Kind::text)) read.wrong("sinks");
@@ -56,8 +64,8 @@ DividedTask task_of(const Json& one, const Reader& read) {
 }  // namespace
 
 bool DividedTask::operator==(const DividedTask& other) const {
-    return node == other.node && name == other.name && extent.width == other.extent.width && extent.height == other.extent.height &&
-           items == other.items && sinks == other.sinks;
+    return node == other.node && name == other.name && extent.width == other.extent.width &&
+           extent.height == other.extent.height && items == other.items && sinks == other.sinks;
 }
 
 Json to_json(const PartHeader& header) {
@@ -75,7 +83,8 @@ Json to_json(const PartHeader& header) {
     for (const auto& [name, value] : header.files) files.set(name, value);
     Json& shapes = out.set("shapes", Json::object());
     for (const auto& [name, s] : header.shapes)
-        shapes.set(name, Json::list({Json(s.width), Json(s.height), Json(s.channels), Json(s.records), Json(s.bytes)}));
+        shapes.set(name, Json::list({Json(s.width), Json(s.height), Json(s.channels),
+                                     Json(s.records), Json(s.bytes)}));
     Json& tasks = out.set("tasks", Json::list());
     for (const DividedTask& task : header.tasks) {
         Json one = Json::object();
@@ -112,7 +121,8 @@ PartHeader part_header(std::string_view text, const std::string& path) {
     }
     for (const JsonMember& member : read.member(in, "shapes", Json::Kind::object).members)
         header.shapes[member.key] = shape_of(member.value, read);
-    for (const Json& one : read.member(in, "tasks", Json::Kind::list).items) header.tasks.push_back(task_of(one, read));
+    for (const Json& one : read.member(in, "tasks", Json::Kind::list).items)
+        header.tasks.push_back(task_of(one, read));
     return header;
 }
 

@@ -19,7 +19,8 @@ std::string keys_text(const Plan& plan, const Keys& keys) {
             if (task.segment && plan.instances[size_t(node)]->form() != Form::sink) continue;
             const GraphNode& n = plan.graph->nodes[size_t(node)];
             text += n.name;
-            for (const Key& key : keys.outputs[size_t(node)]) text += fmt::format(" {}", key.text());
+            for (const Key& key : keys.outputs[size_t(node)])
+                text += fmt::format(" {}", key.text());
             // A sink that writes may have no outputs: then it is told by what comes in.
             for (const auto& links : n.inputs)
                 for (const Link& link : links) text += fmt::format(" {}", keys.of(link).text());
@@ -46,10 +47,13 @@ PartHeader shard_header(const Plan& plan, const FilesRead& files, const Shard& s
     if (const Json* open = flat.find("parameters"))
         for (const GraphParameter& parameter : plan.graph->parameters)
             if (open->find(parameter.decl.name) && !parameter.value.is(Json::Kind::null))
-                header.files[parameter.decl.name] = parameter.value.is(Json::Kind::text) ? parameter.value.text : parameter.value.dump();
+                header.files[parameter.decl.name] = parameter.value.is(Json::Kind::text)
+                                                        ? parameter.value.text
+                                                        : parameter.value.dump();
     for (size_t n = 0; n < plan.shapes.size(); ++n)
         for (size_t p = 0; p < plan.shapes[n].size(); ++p)
-            if (const Shape& s = plan.shapes[n][p]; s.width > 0 || s.bytes > 0) header.shapes[plan.name_of({int(n), int(p)})] = s;
+            if (const Shape& s = plan.shapes[n][p]; s.width > 0 || s.bytes > 0)
+                header.shapes[plan.name_of({int(n), int(p)})] = s;
     return header;
 }
 
@@ -62,7 +66,8 @@ PlanOptions merge_options(const PartHeader& header) {
 }
 
 void expect_same_files(const Plan& merge, const PartHeader& header) {
-    const Json inputs = parse_json_or_throw(header.provenance.inputs, "inputs in the parts' header");
+    const Json inputs =
+        parse_json_or_throw(header.provenance.inputs, "inputs in the parts' header");
     for (const Task& task : merge.tasks) {
         if (task.divided) continue;
         for (const int node : task.nodes)
@@ -70,8 +75,10 @@ void expect_same_files(const Plan& merge, const PartHeader& header) {
                 for (const Json& input : inputs.items) {
                     const Json *name = input.find("path"), *hash = input.find("xxh3");
                     if (name && hash && name->text == path && content_hash(path) != hash->text)
-                        throw Error(fmt::format("{}: has changed since the shards ran; '{}' reads it too. Run the shards again, or put the old file back",
-                                                path, merge.graph->nodes[size_t(node)].name));
+                        throw Error(
+                            fmt::format("{}: has changed since the shards ran; '{}' reads it too. "
+                                        "Run the shards again, or put the old file back",
+                                        path, merge.graph->nodes[size_t(node)].name));
                 }
     }
 }

@@ -9,8 +9,8 @@
 
 namespace weft {
 
-// What the part of a shard says, but for the sizes of the divided tasks, which are known after the run. `plan` is
-// one for a shard. The key is that of all that the divided tasks make.
+// What the part of a shard says, but for the sizes of the divided tasks, which are known after the
+// run. `plan` is one for a shard. The key is that of all that the divided tasks make.
 PartHeader shard_header(const Plan& plan, const FilesRead& files, const Shard& shard, int tile);
 
 // Options of the merge's plan, for the graph in the parts' header.

@@ -26,14 +26,16 @@ Image take_image(ByteReader& from) {
     const auto channels = from.take<std::uint32_t>();
     std::vector<std::string> names;
     for (std::uint32_t c = 0; c < channels; ++c) names.push_back(from.take_text());
-    const std::string color_space = from.take_text(), display = from.take_text(), view = from.take_text();
+    const std::string color_space = from.take_text(), display = from.take_text(),
+                      view = from.take_text();
     std::map<std::string, std::string> attributes;
     for (auto left = from.take<std::uint32_t>(); left > 0; --left) {
         std::string name = from.take_text();
         attributes[std::move(name)] = from.take_text();
     }
     const std::vector<float> pixels = from.take_all<float>();
-    if (width < 0 || height < 0 || (width > 0 && channels > 0 && pixels.size() / size_t(width) / channels != size_t(height)) ||
+    if (width < 0 || height < 0 ||
+        (width > 0 && channels > 0 && pixels.size() / size_t(width) / channels != size_t(height)) ||
         pixels.size() != size_t(width) * size_t(height) * channels)
         throw Error("holds a picture of another size than it says");
     Image image(width, height, std::move(names));
@@ -46,9 +48,11 @@ Image take_image(ByteReader& from) {
 }
 
 void ImageStack::add(Image band) {
-    if (!bands_.empty() && (band.width() != bands_.front().width() || band.names() != bands_.front().names()))
+    if (!bands_.empty() &&
+        (band.width() != bands_.front().width() || band.names() != bands_.front().names()))
         throw Error("holds a band of a picture with another width or other channels");
-    if (band.height() > std::numeric_limits<int>::max() - height_) throw Error("holds a picture that is too high");
+    if (band.height() > std::numeric_limits<int>::max() - height_)
+        throw Error("holds a picture that is too high");
     height_ += band.height();
     bands_.push_back(std::move(band));
 }

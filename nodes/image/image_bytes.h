@@ -1,5 +1,5 @@
-// Images as bytes, for nodes that make a picture in bands of rows (node.h, "Shards"). A node with several
-// pictures puts one after the other into each piece, and stacks each by itself.
+// Images as bytes, for nodes that make a picture in bands of rows (node.h, "Shards"). A node with
+// several pictures puts one after the other into each piece, and stacks each by itself.
 #pragma once
 #include <vector>
 

@@ -10,7 +10,9 @@ void append(std::vector<T>& to, const Array<T>& from) {
     to.insert(to.end(), from.view().begin(), from.view().end());
 }
 
-[[noreturn]] void other() { throw Error("holds samples that do not go with those of the first piece"); }
+[[noreturn]] void other() {
+    throw Error("holds samples that do not go with those of the first piece");
+}
 
 }  // namespace
 
@@ -50,9 +52,12 @@ Samples take_samples(ByteReader& from) {
     band.first = from.take_all<std::uint64_t>();
     if (band.width < 0 || band.height < 0 || band.spp < 0) throw Error("holds samples of no size");
     const size_t pixels = band.pixels();
-    bool fits = band.spp > 0 ? band.first.empty() && size % size_t(band.spp) == 0 && size / size_t(band.spp) == pixels
-                             : band.first.size() == pixels + 1 && band.first[0] == 0 && band.first[pixels] == size;
-    for (size_t i = 0; fits && i + 1 < band.first.size(); ++i) fits = band.first[i] <= band.first[i + 1];
+    bool fits = band.spp > 0 ? band.first.empty() && size % size_t(band.spp) == 0 &&
+                                   size / size_t(band.spp) == pixels
+                             : band.first.size() == pixels + 1 && band.first[0] == 0 &&
+                                   band.first[pixels] == size;
+    for (size_t i = 0; fits && i + 1 < band.first.size(); ++i)
+        fits = band.first[i] <= band.first[i + 1];
     if (!fits) throw Error("holds samples whose number does not fit their pixels");
     band.set_size(size);
     for (auto left = from.take<std::uint32_t>(); left > 0; --left) {
@@ -63,7 +68,8 @@ Samples take_samples(ByteReader& from) {
         channel.values = from.take_all<float>();
         channel.ids = from.take_all<std::uint32_t>();
         const size_t held = channel.values.size() + channel.ids.size();
-        if (role < 0 || role > int(Role::radiance) || channel.components < 1 || (!channel.values.empty() && !channel.ids.empty()) ||
+        if (role < 0 || role > int(Role::radiance) || channel.components < 1 ||
+            (!channel.values.empty() && !channel.ids.empty()) ||
             held % size_t(channel.components) != 0 || held / size_t(channel.components) != size)
             throw Error("holds a channel of samples of another length");
         channel.role = Role(role);
@@ -86,18 +92,24 @@ Samples join_samples(const Pieces& pieces) {
             whole.height = 0;
             values.resize(band.channels.size());
             ids.resize(band.channels.size());
-            for (size_t c = 0; c < band.channels.size(); ++c) {  // bands are alike, but for the last
+            for (size_t c = 0; c < band.channels.size();
+                 ++c) {  // bands are alike, but for the last
                 values[c].reserve(band.channels[c].values.size() * pieces.size());
                 ids[c].reserve(band.channels[c].ids.size() * pieces.size());
             }
         }
-        if (band.width != whole.width || band.spp != whole.spp || band.channels.size() != whole.channels.size() ||
-            band.height > std::numeric_limits<int>::max() - whole.height || band.color_space != whole.color_space || band.domain != whole.domain || !(band.lens == whole.lens))
+        if (band.width != whole.width || band.spp != whole.spp ||
+            band.channels.size() != whole.channels.size() ||
+            band.height > std::numeric_limits<int>::max() - whole.height ||
+            band.color_space != whole.color_space || band.domain != whole.domain ||
+            !(band.lens == whole.lens))
             other();
         for (size_t c = 0; c < band.channels.size(); ++c) {
             const Channel& channel = band.channels[c];
             const Channel& like = whole.channels[c];
-            if (channel.name != like.name || channel.components != like.components || channel.role != like.role) other();
+            if (channel.name != like.name || channel.components != like.components ||
+                channel.role != like.role)
+                other();
             append(values[c], channel.values);
             append(ids[c], channel.ids);
         }

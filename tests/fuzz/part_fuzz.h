@@ -1,5 +1,5 @@
-// What the fuzzer of part files and the replay of its corpus do with one input: it is read, or refused with a
-// message, and so is what a node makes of each record in it.
+// What the fuzzer of part files and the replay of its corpus do with one input: it is read, or
+// refused with a message, and so is what a node makes of each record in it.
 #pragma once
 #include <sys/mman.h>
 #include <unistd.h>
@@ -26,7 +26,8 @@ inline std::string part_with_checksums(std::string bytes) {
     if (bytes.size() < sizeof trailer) return bytes;
     std::memcpy(&trailer, &bytes[bytes.size() - sizeof trailer], sizeof trailer);
     const std::uint64_t end = bytes.size() - sizeof trailer;
-    if (trailer.directory > end || trailer.entries > (end - trailer.directory) / sizeof(PartEntry)) return bytes;
+    if (trailer.directory > end || trailer.entries > (end - trailer.directory) / sizeof(PartEntry))
+        return bytes;
     for (std::uint64_t i = 0; i < trailer.entries; ++i) {
         PartEntry entry;
         char* at = &bytes[trailer.directory + i * sizeof entry];
@@ -56,7 +57,9 @@ class OnePiece final : public Pieces {
   public:
     OnePiece(const PartFile& part, const PartEntry& entry) : part_(part), entry_(entry) {}
     size_t size() const override { return 2; }
-    ByteReader read(size_t) const override { return part_.read(entry_.task, entry_.sink, entry_.item); }
+    ByteReader read(size_t) const override {
+        return part_.read(entry_.task, entry_.sink, entry_.item);
+    }
 
   private:
     const PartFile& part_;
@@ -66,7 +69,8 @@ class OnePiece final : public Pieces {
 inline void fuzz_part(std::string_view input) {
     for (const std::string& bytes : {std::string(input), part_with_checksums(std::string(input))}) {
         const int file = ::memfd_create("part", MFD_CLOEXEC);
-        if (file < 0 || ::write(file, bytes.data(), bytes.size()) != ssize_t(bytes.size())) std::abort();
+        if (file < 0 || ::write(file, bytes.data(), bytes.size()) != ssize_t(bytes.size()))
+            std::abort();
         const std::string path = "/proc/self/fd/" + std::to_string(file);
         part_read_or_refuse([&] {
             const PartFile part(path);

@@ -31,7 +31,9 @@ std::string with(std::string text, const std::string& from, const std::string& t
 struct Made {
     Graph graph;
     Keys keys;
-    Key of(const std::string& node, int port = 0) const { return keys.of({graph.find(node), port}); }
+    Key of(const std::string& node, int port = 0) const {
+        return keys.of({graph.find(node), port});
+    }
 };
 
 Made keys_of(const std::string& text, const Overrides& overrides = {}) {
@@ -62,25 +64,34 @@ TEST(Keys, DifferFromOutputToOutputAndNodeToNode) {
 }
 
 TEST(Keys, AParameterChangesItsNodeAndAllAfterIt) {
-    const Made one = keys_of(graph_text), two = keys_of(graph_text, {.set = {"scaled.by=3"}, .swap = {}, .bypass = {}});
-    for (const char* same : {"a", "b", "sum", "dots"}) EXPECT_EQ(one.of(same), two.of(same)) << same;
+    const Made one = keys_of(graph_text),
+               two = keys_of(graph_text, {.set = {"scaled.by=3"}, .swap = {}, .bypass = {}});
+    for (const char* same : {"a", "b", "sum", "dots"})
+        EXPECT_EQ(one.of(same), two.of(same)) << same;
     for (const char* other : {"scaled", "grid"}) EXPECT_NE(one.of(other), two.of(other)) << other;
     EXPECT_NE(one.keys.run, two.keys.run);
 }
 
 TEST(Keys, TheSameNumberWrittenOtherwiseIsTheSame) {
-    EXPECT_EQ(keys_of(graph_text).of("a"), keys_of(with(graph_text, "\"value\": 2", "\"value\": 2.0")).of("a"));
-    EXPECT_EQ(keys_of(graph_text).of("scaled"), keys_of(with(graph_text, "{\"dots\": \"dots\"}}", "{\"dots\": \"dots\"}, \"set\": {\"by\": 2}}")).of("scaled"));
+    EXPECT_EQ(keys_of(graph_text).of("a"),
+              keys_of(with(graph_text, "\"value\": 2", "\"value\": 2.0")).of("a"));
+    EXPECT_EQ(keys_of(graph_text).of("scaled"),
+              keys_of(with(graph_text, "{\"dots\": \"dots\"}}",
+                           "{\"dots\": \"dots\"}, \"set\": {\"by\": 2}}"))
+                  .of("scaled"));
 }
 
 TEST(Keys, NamesAboutLayoutAndOrderOfNodesDoNotEnter) {
     const Made one = keys_of(graph_text);
-    std::string text = with(graph_text, "\"about\": \"numbers\"", "\"about\": \"else\", \"layout\": {\"a\": [1, 2]}");
-    text = with(with(text, "\"dots\": {\"type\"", "\"points\": {\"type\""), "{\"dots\": \"dots\"}", "{\"dots\": \"points\"}");
+    std::string text = with(graph_text, "\"about\": \"numbers\"",
+                            "\"about\": \"else\", \"layout\": {\"a\": [1, 2]}");
+    text = with(with(text, "\"dots\": {\"type\"", "\"points\": {\"type\""), "{\"dots\": \"dots\"}",
+                "{\"dots\": \"points\"}");
     EXPECT_EQ(one.of("grid"), keys_of(text).of("grid"));
     EXPECT_EQ(one.keys.run, keys_of(text).keys.run);
-    const std::string swapped = with(with(graph_text, "\"b\": {\"type\": \"toy-number\", \"set\": {\"value\": 3}},", ""), "\"note\":",
-                                     "\"b\": {\"type\": \"toy-number\", \"set\": {\"value\": 3}}, \"note\":");
+    const std::string swapped =
+        with(with(graph_text, "\"b\": {\"type\": \"toy-number\", \"set\": {\"value\": 3}},", ""),
+             "\"note\":", "\"b\": {\"type\": \"toy-number\", \"set\": {\"value\": 3}}, \"note\":");
     EXPECT_EQ(one.keys.run, keys_of(swapped).keys.run);
 }
 
@@ -88,26 +99,35 @@ TEST(Keys, OrderAndNamesOfManyLinksToOneInputEnter) {
     const Key sum = keys_of(graph_text).of("sum");
     EXPECT_NE(sum, keys_of(with(graph_text, "[\"a\", \"b\"]", "[\"b\", \"a\"]")).of("sum"));
     EXPECT_NE(sum, keys_of(with(graph_text, "[\"a\", \"b\"]", "[\"a\", \"a\"]")).of("sum"));
-    EXPECT_NE(sum, keys_of(with(with(graph_text, "\"b\": {", "\"c\": {"), "[\"a\", \"b\"]", "[\"a\", \"c\"]")).of("sum"));
+    EXPECT_NE(sum, keys_of(with(with(graph_text, "\"b\": {", "\"c\": {"), "[\"a\", \"b\"]",
+                                "[\"a\", \"c\"]"))
+                       .of("sum"));
 }
 
 TEST(Keys, AnotherTypeInPlaceOfANodeEnters) {
-    EXPECT_NE(keys_of(graph_text).of("scaled"), keys_of(graph_text, {.set = {}, .swap = {"scaled=toy-batch-hook"}, .bypass = {}}).of("scaled"));
+    EXPECT_NE(keys_of(graph_text).of("scaled"),
+              keys_of(graph_text, {.set = {}, .swap = {"scaled=toy-batch-hook"}, .bypass = {}})
+                  .of("scaled"));
 }
 
 class KeysOfFiles : public testing::Test {
   protected:
-    KeysOfFiles() : folder(std::filesystem::path(testing::TempDir()) / "weft-keys") { std::filesystem::create_directories(folder); }
+    KeysOfFiles() : folder(std::filesystem::path(testing::TempDir()) / "weft-keys") {
+        std::filesystem::create_directories(folder);
+    }
     ~KeysOfFiles() override { std::filesystem::remove_all(folder); }
     std::string file(const std::string& name, const std::string& text) {
         std::ofstream(folder / name) << text;
         return (folder / name).string();
     }
-    Made keys(const std::string& in, const std::string& beside = "", const std::string& out = "a.txt") {
-        return keys_of(R"({"weft": 1, "parameters": {"out": {"type": "file", "default": "b.txt"}}, "nodes": {
-            "read": {"type": "toy-read", "set": {"file": ")" + in + R"(", "beside": ")" + beside + R"("}},
+    Made keys(const std::string& in, const std::string& beside = "",
+              const std::string& out = "a.txt") {
+        return keys_of(
+            R"({"weft": 1, "parameters": {"out": {"type": "file", "default": "b.txt"}}, "nodes": {
+            "read": {"type": "toy-read", "set": {"file": ")" +
+                in + R"(", "beside": ")" + beside + R"("}},
             "write": {"type": "toy-write", "in": {"number": "read"}, "set": {"file": "$out"}}}})",
-                       {.set = {"out=" + out}, .swap = {}, .bypass = {}});
+            {.set = {"out=" + out}, .swap = {}, .bypass = {}});
     }
     std::filesystem::path folder;
 };

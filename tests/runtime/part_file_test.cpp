@@ -80,7 +80,9 @@ TEST_F(PartFiles, EveryCutAndEveryFlippedByteIsFoundOrChangesNothing) {
 }
 
 TEST(Bytes, ThatDoNotFitAreAnError) {
-    const auto reader = [](const ByteWriter& bytes) { return ByteReader({bytes.bytes().begin(), bytes.bytes().end()}); };
+    const auto reader = [](const ByteWriter& bytes) {
+        return ByteReader({bytes.bytes().begin(), bytes.bytes().end()});
+    };
     ByteWriter bytes;
     bytes.put(std::uint64_t{1} << 62);  // an array without end
     EXPECT_THROW(reader(bytes).take_all<double>(), Error);

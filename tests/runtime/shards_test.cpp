@@ -34,13 +34,15 @@ const char* const rows_graph = R"({"weft": 1, "nodes": {
 
 class Shards : public testing::Test {
   protected:
-    Shards() : folder_(std::filesystem::path(testing::TempDir()) / "weft-shards") { std::filesystem::create_directories(folder_); }
+    Shards() : folder_(std::filesystem::path(testing::TempDir()) / "weft-shards") {
+        std::filesystem::create_directories(folder_);
+    }
     ~Shards() override { std::filesystem::remove_all(folder_); }
 
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-    RunResult shard(const Graph& graph, const Shard& of, const std::string& file, int tile, int threads,
-                    const std::vector<std::string>& divide = {}) {
+    RunResult shard(const Graph& graph, const Shard& of, const std::string& file, int tile,
+                    int threads, const std::vector<std::string>& divide = {}) {
         PlanOptions options;
         options.work = Work::shard;
         options.divide = divide;
@@ -58,7 +60,8 @@ class Shards : public testing::Test {
         part.finish(header);
         return result;
     }
-    std::vector<std::string> shards(const Graph& graph, int count, int tile = 32, int threads = 2, const std::vector<std::string>& divide = {}) {
+    std::vector<std::string> shards(const Graph& graph, int count, int tile = 32, int threads = 2,
+                                    const std::vector<std::string>& divide = {}) {
         std::vector<std::string> files;
         for (int i = 1; i <= count; ++i) {
             files.insert(files.begin(), path(std::to_string(i) + ".part"));  // the last comes first
@@ -94,14 +97,17 @@ class Shards : public testing::Test {
 TEST_F(Shards, OfASegmentGiveTheSingleRunsBits) {
     const Graph graph = toy_graph(stream_graph);
     ASSERT_TRUE(run_toy(graph, *make_serial_executor()).ok());
-    const std::vector<double> merged = Notes::instance().grid("merged").cells, plain = Notes::instance().grid("plain").cells;
+    const std::vector<double> merged = Notes::instance().grid("merged").cells,
+                              plain = Notes::instance().grid("plain").cells;
     const auto numbers = Notes::instance().numbers;
     for (const int count : {1, 2, 5, 40})
         for (const int tile : {7, 32, 1000})
             for (const int threads : {1, 4}) {
                 ASSERT_TRUE(merge(shards(graph, count, tile, threads), 5 - threads).ok());
-                EXPECT_EQ(Notes::instance().grid("merged").cells, merged) << count << " shards, tile " << tile;
-                EXPECT_EQ(Notes::instance().grid("plain").cells, plain) << count << " shards, tile " << tile;
+                EXPECT_EQ(Notes::instance().grid("merged").cells, merged)
+                    << count << " shards, tile " << tile;
+                EXPECT_EQ(Notes::instance().grid("plain").cells, plain)
+                    << count << " shards, tile " << tile;
                 EXPECT_EQ(Notes::instance().numbers, numbers);
             }
 }
@@ -109,7 +115,8 @@ TEST_F(Shards, OfASegmentGiveTheSingleRunsBits) {
 TEST_F(Shards, OfValueNodesGiveTheSingleRunsBits) {
     const Graph graph = toy_graph(rows_graph);
     ASSERT_TRUE(run_toy(graph, *make_serial_executor()).ok());
-    const std::vector<double> rows = Notes::instance().grid("rows").cells, wide = Notes::instance().grid("wide").cells;
+    const std::vector<double> rows = Notes::instance().grid("rows").cells,
+                              wide = Notes::instance().grid("wide").cells;
     for (const int count : {1, 2, 5, 30}) {
         ASSERT_TRUE(merge(shards(graph, count)).ok());
         EXPECT_EQ(Notes::instance().grid("rows").cells, rows);
@@ -149,7 +156,8 @@ TEST_F(Shards, WhatIsDividedCanBeChosen) {
     options.divide = {"sum"};
     EXPECT_EQ(make_plan(graph, options).tasks.size(), 2u);  // number, and the segment
     ASSERT_TRUE(run_toy(graph, *make_serial_executor()).ok());
-    const std::vector<double> rows = Notes::instance().grid("rows").cells, sum = Notes::instance().grid("sum").cells;
+    const std::vector<double> rows = Notes::instance().grid("rows").cells,
+                              sum = Notes::instance().grid("sum").cells;
     for (const char* divide : {"sum", "dots", "rows"}) {
         ASSERT_TRUE(merge(shards(graph, 3, 32, 2, {divide})).ok());
         EXPECT_EQ(Notes::instance().grid("rows").cells, rows);
@@ -172,29 +180,36 @@ std::string division_error(const char* graph_text, const std::vector<std::string
 }
 
 TEST(Division, WhatCannotBeDividedIsSaid) {
-    const char* const numbers = R"({"weft": 1, "nodes": {"a": {"type": "toy-number"}, "note": {"type": "toy-note", "in": {"number": "a"}}}})";
+    const char* const numbers =
+        R"({"weft": 1, "nodes": {"a": {"type": "toy-number"}, "note": {"type": "toy-note", "in": {"number": "a"}}}})";
     EXPECT_NE(division_error(numbers).find("run it whole, without --shard"), std::string::npos);
     EXPECT_NE(division_error(numbers, {"a"}).find("'a' cannot be divided"), std::string::npos);
     EXPECT_NE(division_error(numbers, {"nota"}).find("did you mean 'note'?"), std::string::npos);
-    EXPECT_NE(division_error(R"({"weft": 1, "nodes": {"a": {"type": "toy-rows", "set": {"whole": true}},
+    EXPECT_NE(
+        division_error(R"({"weft": 1, "nodes": {"a": {"type": "toy-rows", "set": {"whole": true}},
         "note": {"type": "toy-note", "in": {"grid": "a"}}}})")
-                  .find("nothing in this graph"),
-              std::string::npos);
-    EXPECT_NE(division_error(R"({"weft": 1, "nodes": {"dots": {"type": "toy-dots"}, "drain": {"type": "toy-drain", "in": {"dots": "dots"}},
+            .find("nothing in this graph"),
+        std::string::npos);
+    EXPECT_NE(
+        division_error(
+            R"({"weft": 1, "nodes": {"dots": {"type": "toy-dots"}, "drain": {"type": "toy-drain", "in": {"dots": "dots"}},
         "note": {"type": "toy-note", "in": {"number": "drain"}}}})")
-                  .find("'drain' (toy-drain) cannot hand out its tiles"),
-              std::string::npos);
+            .find("'drain' (toy-drain) cannot hand out its tiles"),
+        std::string::npos);
 }
 
 TEST_F(Shards, APartThatIsMissingDoubleOrForeignIsNamed) {
     const Graph graph = toy_graph(stream_graph);
     const std::vector<std::string> all = shards(graph, 3);
     EXPECT_NE(merge_error({all[0], all[2]}).find("shard 2/3"), std::string::npos);
-    EXPECT_NE(merge_error({all[0], all[1], all[1], all[2]}).find("2.part are both shard 2/3"), std::string::npos);
+    EXPECT_NE(merge_error({all[0], all[1], all[1], all[2]}).find("2.part are both shard 2/3"),
+              std::string::npos);
 
     const std::string other = path("other.part");
     const auto foreign = [&] { return merge_error({all[0], other, all[2]}); };
-    ASSERT_TRUE(shard(toy_graph(stream_graph, {.set = {"more.by=11"}, .swap = {}, .bypass = {}}), {2, 3}, other, 32, 1).ok());
+    ASSERT_TRUE(shard(toy_graph(stream_graph, {.set = {"more.by=11"}, .swap = {}, .bypass = {}}),
+                      {2, 3}, other, 32, 1)
+                    .ok());
     EXPECT_NE(foreign().find("other.part: is not of the same run"), std::string::npos);
     ASSERT_TRUE(shard(graph, {2, 3}, other, 16, 1).ok());
     EXPECT_NE(foreign().find("make it again with --tile 32"), std::string::npos);
@@ -205,7 +220,8 @@ TEST_F(Shards, APartThatIsMissingDoubleOrForeignIsNamed) {
 }
 
 TEST_F(Shards, AFailedShardLeavesNoPart) {
-    const Graph graph = toy_graph(stream_graph, {.set = {"more.fail-at-pixel=101"}, .swap = {}, .bypass = {}});
+    const Graph graph =
+        toy_graph(stream_graph, {.set = {"more.fail-at-pixel=101"}, .swap = {}, .bypass = {}});
     const RunResult result = shard(graph, {1, 1}, path("1.part"), 32, 2);
     ASSERT_EQ(result.errors.size(), 1u);
     EXPECT_EQ(result.errors[0].node, "more");
@@ -215,7 +231,8 @@ TEST_F(Shards, AFailedShardLeavesNoPart) {
 TEST_F(Shards, AFileThatTheMergeReadsTooMustBeTheSame) {
     write_file(path("number"), "5");
     const Graph graph = toy_graph(R"({"weft": 1, "nodes": {
-        "number": {"type": "toy-read", "set": {"file": ")" + path("number") + R"("}},
+        "number": {"type": "toy-read", "set": {"file": ")" +
+                                  path("number") + R"("}},
         "rows": {"type": "toy-rows", "in": {"number": "number"}},
         "note": {"type": "toy-note", "in": {"grid": "rows", "number": "number"}, "set": {"label": "rows"}}}})");
     const Parts parts(shards(graph, 2));
@@ -228,7 +245,9 @@ TEST_F(Shards, AFileThatTheMergeReadsTooMustBeTheSame) {
 
 TEST(Shard, IsReadFromText) {
     EXPECT_EQ(parse_shard("2/5"), (Shard{2, 5}));
-    for (const char* wrong : {"", "2", "0/5", "6/5", "2/", "/5", "2/5x", "-1/5", "2/99999999999", "a/b"}) EXPECT_THROW(parse_shard(wrong), UsageError) << wrong;
+    for (const char* wrong :
+         {"", "2", "0/5", "6/5", "2/", "/5", "2/5x", "-1/5", "2/99999999999", "a/b"})
+        EXPECT_THROW(parse_shard(wrong), UsageError) << wrong;
 }
 
 }  // namespace
