@@ -17,6 +17,8 @@ def why_not():
         return "not installed: " + ", ".join(missing)
     if os.geteuid() != 0:
         return "starting a Slurm of its own needs root"
+    if not os.path.ismount("/sys/fs/cgroup"):
+        return "slurmd needs cgroups, and /sys/fs/cgroup is not mounted"
     return None
 
 
