@@ -9,22 +9,6 @@
 namespace weft {
 namespace {
 
-// Puts the node on what `work` throws.
-template <class Work>
-void guarded(int node, Work&& work) {
-    try {
-        work();
-    } catch (const StageError&) {
-        throw;
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw StageError(node, "ran out of memory");
-    } catch (const std::exception& error) {
-        throw StageError(node, error.what());
-    }
-}
-
 // Inputs with every port there and nothing in it.
 Inputs empty_inputs(const GraphNode& node, const Extent& extent) {
     Inputs in;

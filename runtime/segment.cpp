@@ -90,21 +90,6 @@ class Segment {
     }
 
   private:
-    // Puts the stage's node on what it throws.
-    template <class Work>
-    void guarded(int node, Work&& work) {
-        try {
-            work();
-        } catch (const StageError&) {
-            throw;
-        } catch (const std::bad_alloc&) {
-            throw StageError(node, "ran out of memory");
-        } catch (const std::exception& error) {
-            if (dynamic_cast<const Cancelled*>(&error)) throw;
-            throw StageError(node, error.what());
-        }
-    }
-
     int index_of(int node) const {
         const auto found = std::find(task_.nodes.begin(), task_.nodes.end(), node);
         return found == task_.nodes.end() ? -1 : int(found - task_.nodes.begin());

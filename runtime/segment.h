@@ -2,6 +2,7 @@
 // worker keeps its batches and scratch from tile to tile, so the steady state allocates nothing.
 #pragma once
 #include <memory>
+#include <new>
 
 #include "runtime/node_context.h"
 #include "runtime/run.h"
@@ -15,6 +16,22 @@ struct StageError : Error {
     StageError(int n, const std::string& message) : Error(message), node(n) {}
     int node;
 };
+
+// Puts the node on what `work` throws.
+template <class Work>
+void guarded(int node, Work&& work) {
+    try {
+        work();
+    } catch (const StageError&) {
+        throw;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw StageError(node, "ran out of memory");
+    } catch (const std::exception& error) {
+        throw StageError(node, error.what());
+    }
+}
 
 // The tiles of an extent, row by row.
 struct TileGrid {
