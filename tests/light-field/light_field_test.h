@@ -9,11 +9,11 @@
 
 #include "graph/graph.h"
 #include "image/picture_file.h"
-#include "runtime/isa.h"
 #include "runtime/registry.h"
 #include "runtime/run.h"
 #include "samples/samples.h"
 #include "samples/write_npz.h"
+#include "tests/instruction_sets.h"
 #include "tests/run_node.h"
 
 namespace weft {
@@ -59,19 +59,6 @@ inline Samples random_samples(int width, int height, int spp, Kind_of kind, unsi
     }
     return s;
 }
-
-inline std::vector<Isa> instruction_sets() {
-    std::vector<Isa> all;
-    for (Isa isa : {Isa::v2, Isa::v3, Isa::v4})
-        if (isa <= best_isa()) all.push_back(isa);
-    return all;
-}
-// Runs kernels on one instruction set while it lives.
-struct PinnedIsa {
-    explicit PinnedIsa(Isa isa) : before(active_isa()) { pin_isa(isa); }
-    ~PinnedIsa() { pin_isa(before); }
-    Isa before;
-};
 
 // Runs a graph's text; gives the picture that it writes to the file called OUT in it.
 struct GraphRun {
