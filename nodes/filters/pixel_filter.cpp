@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "filters/component_name.h"
 #include "filters/pixel_filter_kernel.h"
 #include "image/image.h"
 #include "runtime/node.h"
@@ -106,12 +107,8 @@ std::vector<std::string> PixelFilterNode::names_of(const std::vector<const Chann
                 names.emplace_back("A");
             else if (as_color)
                 names.emplace_back(1, "RGB"[i]);
-            else if (channel->components == 1)
-                names.push_back(channel->name);
-            else if (channel->components <= 3)
-                names.push_back(channel->name + "." + "xyz"[i]);
             else
-                names.push_back(fmt::format("{}.{}", channel->name, i));
+                names.push_back(component_name(*channel, i));
         }
     }
     return names;
