@@ -7,8 +7,6 @@
 namespace weft::kernel::WEFT_ISA {
 namespace {
 
-constexpr size_t at_once = 4;  // vectors: as many sums as hide a multiply-add's latency
-
 // to[i] = sum of taps[k] at(k)[i] for i below n, rounded up to `at_once` vectors.
 template <class At>
 HWY_INLINE void weighted_sums(std::span<const float> taps, size_t n, const At& at, float* to) {

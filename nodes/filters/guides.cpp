@@ -101,36 +101,47 @@ std::vector<Layer> layers_of(const Image& features, const LayerChoice& choice) {
     return chosen;
 }
 
-// Squared changes of a layer, its noise taken off.
-class Changes {
-  public:
-    Changes(const Planes& planes, const Term& term) : planes_(planes), term_(term) {}
-    float between(int xa, int ya, int xb, int yb) const {
-        float sum = 0;
-        for (int c = 0; c < term_.components; ++c) {
-            const float off = at(term_.first + c, xa, ya) - at(term_.first + c, xb, yb);
-            sum += off * off;
-            if (term_.variances >= 0)
-                sum -= at(term_.variances + c, xa, ya) + at(term_.variances + c, xb, yb);
-        }
-        return std::max(0.0f, sum);
+// Squared changes of a layer from the pixels of row y to those (dx, dy) away, its noise taken off;
+// 0 where either is not finite: there is no slope to that.
+void changes(const Planes& planes, const Term& term, int y, int dx, int dy, float* to) {
+    const auto width = size_t(planes.width - dx);
+    std::fill_n(to, width, 0.0f);
+    for (int c = 0; c < term.components; ++c) {
+        const float *a = planes.row(term.first + c, y),
+                    *b = planes.row(term.first + c, y + dy) + dx;
+        for (size_t x = 0; x < width; ++x) to[x] += (a[x] - b[x]) * (a[x] - b[x]);
     }
-    // To the next pixel along an axis, on the side where it changes less: an edge is no slope.
-    float along(int x, int y, int dx, int dy) const {
-        const bool before = x >= dx && y >= dy,
-                   after = x + dx < planes_.width && y + dy < planes_.height;
-        if (!before && !after) return 0;
-        const float back = before ? between(x, y, x - dx, y - dy) : 0;
-        const float forth = after ? between(x, y, x + dx, y + dy) : 0;
-        const float change = before && after ? std::min(back, forth) : back + forth;
-        return change < far_away ? change : 0;  // to what is not finite there is no slope
+    if (term.variances >= 0) {
+        const float *va = planes.row(term.variances, y),
+                    *vb = planes.row(term.variances, y + dy) + dx;
+        for (size_t x = 0; x < width; ++x) to[x] -= va[x] + vb[x];
     }
+    for (size_t x = 0; x < width; ++x) to[x] = to[x] < far_away ? std::max(0.0f, to[x]) : 0.0f;
+}
 
-  private:
-    float at(int plane, int x, int y) const { return planes_.row(plane, y)[x]; }
-    const Planes& planes_;
-    const Term& term_;
-};
+// Of each pixel of some rows: changes to the next pixel along both axes, each on the side where it
+// changes less: an edge is no slope.
+void slopes(Planes& planes, const Term& term, Rows rows) {
+    const int width = planes.width;
+    std::vector<float> right(size_t(width) + 1), up(size_t(width) + 1), down(up);
+    const bool alone = width < 2;
+    if (rows.begin > 0) changes(planes, term, rows.begin - 1, 0, 1, down.data());
+    for (int y = rows.begin; y < rows.end; ++y) {
+        std::swap(up, down);
+        const bool above = y > 0, below = y + 1 < planes.height;
+        if (below) changes(planes, term, y, 0, 1, down.data());
+        if (!alone) changes(planes, term, y, 1, 0, right.data());
+        float* to = planes.row(term.slope, y);
+        for (int x = 0; x < width; ++x) {
+            const float *r = &right[size_t(x)], u = up[size_t(x)], d = down[size_t(x)];
+            const float across = alone            ? 0
+                                 : x == 0         ? r[0]
+                                 : x + 1 == width ? r[-1]
+                                                  : std::min(r[-1], r[0]);
+            to[x] = across + (above && below ? std::min(u, d) : above ? u : below ? d : 0.0f);
+        }
+    }
+}
 
 // Squared deviation of a layer over the picture, its noise taken off; places that are not finite
 // do not count.
@@ -156,8 +167,8 @@ double deviation2(const Planes& planes, const Term& term, Context& ctx) {
                         if (value >= 0.5f * far_away) continue;
                         const double v = double(value) - about;
                         s.n += 1, s.value += v, s.square += v * v;
-                        if (term.variances >= 0)
-                            s.noise += double(planes.row(term.variances + c, y)[x]);
+                        if (term.variances >= 0 && c == 0)
+                            s.noise += double(planes.row(term.variances, y)[x]);
                     }
                 return s;
             },
@@ -205,9 +216,11 @@ Similarity similarity_of(const Guides& guides, int reach, int patch, Context& ct
     by.channels = image.channels();
     by.color.components = channels.colors;
     by.color.variances = guides.variance ? by.channels : -1;
+    by.color.variance_planes = int(variances.size());
     by.known = by.channels + int(variances.size());
-    const int features = guides.features ? guides.features->channels() : 0;
-    const int planes = by.known + 1 + features * (guides.features_variance ? 3 : 2);
+    int planes = by.known + 1;
+    if (guides.features)  // and a plane of noise and one of slope a layer
+        planes += guides.features->channels() + 2 * int(layers_of(*guides.features, {}).size());
     by.planes = Planes(image.width(), image.height(), planes,
                        std::min(reach, std::max(0, image.width() - 1)) + patch);
 
@@ -262,44 +275,38 @@ void add_features(const Guides& guides, const LayerChoice& choice, Similarity& b
         const auto n = int(layer.channels.size());
         term.first = next;
         term.components = n;
-        term.variances = noise ? next + n : -1;
-        term.slope = next + (noise ? 2 * n : n);
+        term.slope = next + n;
+        term.variances = noise ? next + n + 1 : -1;
+        term.variance_planes = noise ? 1 : 0;
         ctx.parallel_rows(
             features.height(),
             [&](Rows rows) {
                 for (int y = rows.begin; y < rows.end; ++y)
                     for (int x = 0; x < features.width(); ++x) {
                         bool finite = true;
+                        float variance = 0;
                         for (const int c : layer.channels)
                             finite &= std::fabs(features.at(x, y)[c]) < 0.5f * far_away;
-                        for (int c = 0; c < n; ++c) {
+                        for (int c = 0; c < n; ++c)
                             by.planes.row(term.first + c, y)[x] =
                                 finite ? features.at(x, y)[layer.channels[size_t(c)]] : far_away;
-                            if (!noise) continue;
-                            const float v = noise->at(x, y)[variances[size_t(c)]];
-                            by.planes.row(term.variances + c, y)[x] =
-                                finite && v > 0 && v < largest ? v : 0.0f;
+                        for (const int c : variances) {
+                            const float v = noise->at(x, y)[c];
+                            if (finite && v > 0 && v < largest) variance += v;
                         }
+                        if (noise) by.planes.row(term.variances, y)[x] = variance;
                     }
             },
             rows_at_once);
         const double deviation = deviation2(by.planes, term, ctx);
         ctx.parallel_rows(
-            features.height(),
-            [&](Rows rows) {
-                const Changes changes(by.planes, term);
-                for (int y = rows.begin; y < rows.end; ++y)
-                    for (int x = 0; x < features.width(); ++x)
-                        by.planes.row(term.slope, y)[x] =
-                            changes.along(x, y, 1, 0) + changes.along(x, y, 0, 1);
-            },
-            rows_at_once);
+            features.height(), [&](Rows rows) { slopes(by.planes, term, rows); }, rows_at_once);
         term.k2 = choice.k_features * choice.k_features;
         term.slope_gain = 2 * layer.sigma * layer.sigma;
         // Never 0: a layer that is the same all over, but for places that are not finite.
         term.e = std::max(1e-30f, 2 * choice.least * choice.least * float(deviation));
         by.features.push_back(term);
-        next = term.slope + 1;
+        next += n + 2;
     }
 }
 

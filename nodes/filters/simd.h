@@ -13,6 +13,8 @@ using VF = hn::Vec<F>;
 inline constexpr F f{};
 inline constexpr size_t lanes = hn::MaxLanes(F());
 
+inline constexpr size_t at_once = 4;  // vectors: as many sums as hide a multiply-add's latency
+
 inline size_t whole_vectors(size_t count) {
     return (count + lanes - 1) / lanes * lanes;
 }

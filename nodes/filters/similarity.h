@@ -7,7 +7,7 @@
 //   s       1 takes the noise off, 0 does not
 //   e, k^2  what is let pass: as a value, and in variances
 // Colour: that of each component over (2 patch + 1)^2 pixels around p and q, averaged. A feature
-// is a vector: numerators and denominators are summed over its components.
+// is a vector: squared differences are summed over its components, and so are its variances.
 //   holes   pixels that nothing is known of, as those past the edges: they lend nothing and count
 //           in no patch, but get what likeness of what is known gives them
 // Source: Rousselle, Knaus and Zwicker 2012 (the distance), Tomasi and Manduchi 1998 (bilateral),
@@ -28,9 +28,10 @@ struct Tap {
 // One distance: planes of a picture and what they are measured by.
 struct Term {
     int first = 0, components = 0;
-    int variances = -1;    // first plane of as many; -1: no noise
-    int slope = -1;        // plane of squared changes to the next pixel; -1: none
-    float slope_gain = 0;  // e is the larger of `e` and slope_gain times the slope
+    int variances = -1;       // first plane; -1: no noise
+    int variance_planes = 0;  // as many as components; of a vector also one, their sum
+    int slope = -1;           // plane of squared changes to the next pixel; -1: none
+    float slope_gain = 0;     // e is the larger of `e` and slope_gain times the slope
     float e = 1;
     float k2 = 0;
     float subtract = 1;
@@ -48,7 +49,7 @@ struct Similarity {
     Term color;          // no components: colour does not count
     int patch = 0;       // px; of colour alone
     std::vector<Term> features;
-    std::vector<Tap> taps;
+    std::vector<Tap> taps;  // of a row together
 };
 
 // Exponents end here: e^-80 is nothing beside a pixel's own weight of 1, and a hole still takes
@@ -64,9 +65,10 @@ struct Block {
     int x0, y0, x1, y1;
 };
 struct SimilarityScratch {
-    std::vector<float> distances, known, box, known_box, exponent, sums;
+    std::vector<float> distances, known, box, known_box, weights, sums;
+    std::vector<Tap> taps;
 };
-// Cost: taps x (components + (2 x (2 patch + 1)) / components + 20) operations a pixel.
+// Cost: about taps x (10 components of colour + 4 patch + 8 features + 20) operations a pixel.
 namespace v2 {
 void similar_means(const Similarity& by, Block block, SimilarityScratch& scratch, Planes& out);
 }

@@ -22,43 +22,43 @@ bool known(const Similarity& by, At p) {
            value(by.planes, by.known, p) > 0;
 }
 
-struct Fraction {
-    double above = 0, below = 0;
-};
-// Of one component, without e.
-Fraction difference(const Planes& planes, const Term& term, int component, At p, At q) {
-    const double off =
-        value(planes, term.first + component, p) - value(planes, term.first + component, q);
-    if (term.variances < 0) return {off * off, 0};
-    const double va = value(planes, term.variances + component, p),
-                 vb = value(planes, term.variances + component, q);
-    return {off * off - double(term.subtract) * (va + std::min(va, vb)),
-            double(term.k2) * (va + vb)};
-}
-
 double let_pass(const Planes& planes, const Term& term, At p) {
     if (term.slope < 0) return double(term.e);
     return std::max(double(term.e), double(term.slope_gain) * value(planes, term.slope, p));
 }
 
+double over_noise(const Term& term, double difference, double va, double vb, double e) {
+    return (difference - double(term.subtract) * (va + std::min(va, vb))) /
+           (e + double(term.k2) * (va + vb));
+}
+
+double squared_difference(const Planes& planes, int plane, At p, At q) {
+    return std::pow(value(planes, plane, p) - value(planes, plane, q), 2);
+}
+
 double vector_distance(const Planes& planes, const Term& term, At p, At q) {
-    Fraction sum{0, let_pass(planes, term, p)};
-    for (int c = 0; c < term.components; ++c) {
-        const Fraction part = difference(planes, term, c, p, q);
-        sum.above += part.above, sum.below += part.below;
+    double difference = 0, va = 0, vb = 0;
+    for (int c = 0; c < term.components; ++c)
+        difference += squared_difference(planes, term.first + c, p, q);
+    for (int c = 0; term.variances >= 0 && c < term.variance_planes; ++c) {
+        va += value(planes, term.variances + c, p);
+        vb += value(planes, term.variances + c, q);
     }
-    return sum.above / sum.below;
+    return over_noise(term, difference, va, vb, let_pass(planes, term, p));
 }
 
 double color_distance(const Similarity& by, At p, At q) {
     const Planes& planes = by.planes;
-    if (!by.apart) return vector_distance(planes, by.color, p, q);
-    double mean = 0;
-    for (int c = 0; c < by.color.components; ++c) {
-        const Fraction part = difference(planes, by.color, c, p, q);
-        mean += part.above / (part.below + let_pass(planes, by.color, p));
+    const Term& color = by.color;
+    if (!by.apart) return vector_distance(planes, color, p, q);
+    double sum = 0;
+    for (int c = 0; c < color.components; ++c) {
+        const bool noisy = color.variances >= 0;
+        sum += over_noise(color, squared_difference(planes, color.first + c, p, q),
+                          noisy ? value(planes, color.variances + c, p) : 0,
+                          noisy ? value(planes, color.variances + c, q) : 0, double(color.e));
     }
-    return mean / by.color.components;
+    return sum / color.components;
 }
 
 double patch_distance(const Similarity& by, At p, At q) {

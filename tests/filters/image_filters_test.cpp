@@ -319,6 +319,28 @@ TEST(CrossBilateral, a_features_own_noise_is_not_taken_for_an_edge) {
     EXPECT_LT(told, 1.1 * rmse(s.filtered("cross-bilateral-image"), truth));
 }
 
+// Seen at an angle a plane is still one surface: what passes grows with the slope.
+TEST(CrossBilateral, a_tilted_plane_is_filtered_like_one_that_is_not) {
+    Scene s = step_scene(60, 60, 0.5f, 0.5f, 0.2f);
+    const auto truth = [](int) { return 0.5f; };
+    s.features.reset();
+    const double without = rmse(s.filtered("cross-bilateral-image"), truth);
+    s.features_variance.reset();
+    s.features = make_picture(
+        60, 60, {"position.x", "position.y", "position.z"},
+        [](int x, int y, int c) { return c == 0 ? 5.0f * float(x) : float(x + y * c); });
+    EXPECT_LT(rmse(s.filtered("cross-bilateral-image"), truth), 1.3 * without);
+    // A step in it is an edge.
+    Scene cut = step_scene(60, 60, 0.3f, 0.7f, 0);
+    cut.variance.reset();
+    cut.features_variance.reset();
+    cut.features = make_picture(
+        60, 60, {"z"}, [](int x, int y, int) { return float(x + y) + (x < 30 ? 0.0f : 60.0f); });
+    EXPECT_LT(
+        rmse(cut.filtered("cross-bilateral-image"), [](int x) { return x < 30 ? 0.3f : 0.7f; }),
+        1e-3);
+}
+
 TEST(CrossBilateral, layers_and_sigmas_are_checked) {
     Scene s = step_scene(8, 8, 0, 1, 0.1f);
     const auto error = [&](const char* name, Json value) {
