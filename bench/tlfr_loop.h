@@ -87,7 +87,7 @@ struct Loop {
         timed(projecting, [&] {
             if (!block.covers(h, at.x0, at.y0, at.x1, at.y1, o.retry * o.radius * h.radius))
                 collect(h, at.x0, at.y0, at.x1, at.y1, o.retry * o.radius * h.radius, block);
-            WEFT_PICK(project)(h, block, at.u[0], at.v[0], at.t[0], projection);
+            WEFT_PICK(project)(h, block, at.u[0], at.v[0], at.t[0], false, projection);
         });
         projected += projection.samples;
         timed(gathering, [&] { WEFT_PICK(gather)(projection, at, o.radius * h.radius, candidates_); });

@@ -55,6 +55,7 @@ int plan(const PlanCommand& options) {
     if (!loaded.ok()) return misused;
     PlanOptions plan_options;
     plan_options.taps = options.taps;
+    plan_options.fuse = !options.no_fuse;
     plan_options.threads = options.threads > 0 ? options.threads : int(std::max(1u, std::thread::hardware_concurrency()));
     if (!options.memory.empty()) plan_options.memory_limit = parse_bytes(options.memory);
     const Plan made = make_plan(loaded.graph, plan_options);

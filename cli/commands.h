@@ -22,6 +22,7 @@ struct RunCommand : GraphOptions {
     std::string memory;    // "8G"
     std::string report, trace;
     std::vector<std::string> taps;
+    bool no_fuse = false;
     std::string isa;
     std::string executor = "tbb";
     bool quiet = false;
@@ -61,6 +62,7 @@ struct PlanCommand : GraphOptions {
     int threads = 0;
     std::string memory;
     std::vector<std::string> taps;
+    bool no_fuse = false;
     bool json = false;
 };
 int plan(const PlanCommand& options);

@@ -61,6 +61,7 @@ int dispatch(int argc, char** argv) {
     run_command->add_option("--trace", run.trace, "write a trace for Perfetto or chrome://tracing");
     run_command->add_option("--tap", run.taps, "write a value (node.port=file) or a stream's records (node.port@x,y=file)")
         ->allow_extra_args(false);
+    run_command->add_flag("--no-fuse", run.no_fuse, "run every stage by itself, fusions left out");
     run_command->add_option("--isa", run.isa, "instruction set of the kernels: v2, v3 or v4");
     run_command->add_option("--executor", run.executor, "tbb, threads or serial")
         ->check(CLI::IsMember({"tbb", "threads", "serial"}));
@@ -120,6 +121,7 @@ int dispatch(int argc, char** argv) {
     plan_command->add_option("--threads", plan.threads, "threads to plan for; default: one a core");
     plan_command->add_option("--memory", plan.memory, "refuse a plan that needs more, as in 8G");
     plan_command->add_option("--tap", plan.taps, "as for run")->allow_extra_args(false);
+    plan_command->add_flag("--no-fuse", plan.no_fuse, "as for run");
     plan_command->add_flag("--json", plan.json, "the plan as JSON");
     on(plan_command, [&] { return cli::plan(plan); });
 

@@ -95,6 +95,7 @@ int run(const RunCommand& options) {
     const std::unique_ptr<Executor> executor = executor_named(options.executor, options.threads);
     PlanOptions plan_options;
     plan_options.taps = options.taps;
+    plan_options.fuse = !options.no_fuse;
     plan_options.threads = executor->threads();
     if (!options.memory.empty()) plan_options.memory_limit = parse_bytes(options.memory);
     if (!options.shard.empty()) {

@@ -94,10 +94,19 @@ class Maker {
         return in;
     }
 
+    // Rounding may differ between a node's own kernel and a fusion's.
+    std::string fusion_of(int node) const {
+        for (const Task& task : plan_.tasks)
+            for (const StagePlan& stage : task.stages)
+                if (stage.fusion && std::find(stage.nodes.begin(), stage.nodes.end(), node) != stage.nodes.end())
+                    return stage.fusion->decl().name;
+        return "";
+    }
+
     std::string text_of(int node) const {
         const NodeDecl& type = *graph_.nodes[size_t(node)].type;
         return Json::list({Json(type.type), Json(type.version), Json(name_of(active_isa())),
-                           parameters(node), further_files(node), inputs(node)})
+                           parameters(node), further_files(node), inputs(node), Json(fusion_of(node))})
             .dump();
     }
 

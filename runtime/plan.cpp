@@ -249,6 +249,11 @@ Plan make_plan(const Graph& graph, const PlanOptions& options) {
         task.segment = true;
         task.name = segment_name(graph, nodes);
         task.nodes = std::move(nodes);
+        task.stages = stages_of(graph, task.nodes, options.fuse, [&](Link link) {
+            return std::any_of(plan.taps.begin(), plan.taps.end(), [&](const Tap& tap) {
+                return tap.from.node == link.node && tap.from.port == link.port;
+            });
+        });
         plan.tasks.push_back(std::move(task));
     }
     // Tasks in the order of their first node, so that a plan reads like its document.

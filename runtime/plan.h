@@ -10,6 +10,7 @@
 
 #include "graph/graph.h"
 #include "runtime/node.h"
+#include "runtime/stage.h"
 
 namespace weft {
 
@@ -29,6 +30,7 @@ struct Task {
     bool segment = false;
     bool divided = false;         // in a plan for a shard or for the merge
     std::vector<int> nodes;       // of the graph: one, or a segment's source, stages, sinks in order
+    std::vector<StagePlan> stages;  // of a segment: the same, neighbours that a fusion stands for taken together
     std::vector<size_t> needs;    // tasks to be done before
     std::vector<Link> makes;      // values it makes that somebody reads
     std::vector<Link> last_uses;  // values that can go once it is done (and all earlier readers are)
@@ -42,6 +44,7 @@ struct PlanOptions {
     std::vector<std::string> taps;   // "node.port=file", "node.port@x,y=file", "node.port@x0,y0,x1,y1=file"
     int threads = 1;                 // for the scratch memory of segments
     double memory_limit = 0;         // bytes; 0: none
+    bool fuse = true;                // let fusions stand for the stages they match
     Work work = Work::whole;
     std::vector<std::string> divide;       // nodes whose tasks are divided; none: the last that can be
     std::map<std::string, Shape> shapes;   // of outputs ("node.port") of nodes that are not planned: the merge's

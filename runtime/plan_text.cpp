@@ -32,6 +32,12 @@ std::string shape_text(const Shape& shape) {
     return text.empty() ? "size not known before the run" : text;
 }
 
+std::string_view form_text(const Plan& plan, const Task& task, const StagePlan& stage) {
+    if (stage.fusion) return "fused";
+    if (stage.nodes[0] == task.nodes.front()) return "source";
+    return plan.instances[size_t(stage.nodes[0])]->form() == Form::sink ? "sink" : "stage";
+}
+
 }  // namespace
 
 std::string bytes_text(double bytes) {
@@ -62,16 +68,9 @@ std::string to_text(const Plan& plan, const Keys* keys) {
     for (size_t t = 0; t < plan.tasks.size(); ++t) {
         const Task& task = plan.tasks[t];
         text += fmt::format("{:2}  {} {}\n", t + 1, task.segment ? "segment" : "task   ", task.name);
-        for (int n : task.nodes) {
-            const GraphNode& node = graph.nodes[size_t(n)];
-            if (task.segment)
-                text += fmt::format("      {:<8} {} ({})\n",
-                                    n == task.nodes.front() ? "source"
-                                    : plan.instances[size_t(n)]->form() == Form::sink ? "sink" : "stage",
-                                    node.name, node.type->type);
-            else
-                text += fmt::format("      type     {}\n", node.type->type);
-        }
+        for (const StagePlan& stage : task.stages)
+            text += fmt::format("      {:<8} {} ({})\n", form_text(plan, task, stage), stage.name(graph), stage.type(graph));
+        if (!task.segment) text += fmt::format("      type     {}\n", graph.nodes[size_t(task.nodes[0])].type->type);
         if (!task.needs.empty()) {
             text += "      after    ";
             for (size_t i = 0; i < task.needs.size(); ++i)
@@ -109,6 +108,14 @@ Json to_json(const Plan& plan, const Keys* keys) {
             node.set("type", graph.nodes[size_t(n)].type->type);
             nodes.items.push_back(std::move(node));
         }
+        Json& fused = one.set("fused", Json::list());
+        for (const StagePlan& stage : task.stages)
+            if (stage.fusion) {
+                Json fusion = Json::object();
+                fusion.set("name", stage.name(graph));
+                fusion.set("type", stage.type(graph));
+                fused.items.push_back(std::move(fusion));
+            }
         Json& needs = one.set("after", Json::list());
         for (size_t need : task.needs) needs.items.push_back(Json(std::int64_t(need)));
         Json& makes = one.set("makes", Json::list());

@@ -51,7 +51,17 @@ bool Registry::add(std::unique_ptr<NodeType> type) {
     return added;
 }
 
+bool Registry::add(std::unique_ptr<FusionType> type) {
+    const auto place = std::upper_bound(fusions_.begin(), fusions_.end(), type, [](const auto& a, const auto& b) {
+        return a->decl().name < b->decl().name;
+    });
+    fusions_.insert(place, std::move(type));
+    return true;
+}
+
 void Registry::note(const TypeInfo& info) { infos_.emplace(std::string(info.name), &info); }
+
+bool register_fusion(std::unique_ptr<FusionType> type) { return Registry::instance().add(std::move(type)); }
 
 bool register_node(std::unique_ptr<NodeType> type) { return Registry::instance().add(std::move(type)); }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/fusion.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -22,12 +23,17 @@ class Registry final : public Catalog {
     // Node types registered under a name that was taken: "'x' of libmine.so: the name is taken".
     const std::vector<std::string>& conflicts() const { return conflicts_; }
 
+    // In the order of their names.
+    const std::vector<std::unique_ptr<FusionType>>& fusions() const { return fusions_; }
+
     bool add(std::unique_ptr<NodeType> type);
+    bool add(std::unique_ptr<FusionType> type);
     void note(const TypeInfo& info);
 
   private:
     std::map<std::string, std::unique_ptr<NodeType>, std::less<>> types_;
     std::map<std::string, const TypeInfo*, std::less<>> infos_;
+    std::vector<std::unique_ptr<FusionType>> fusions_;
     std::vector<std::string> conflicts_;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 
 namespace weft {
@@ -16,7 +17,8 @@ double ns_since(Clock::time_point start) {
 
 // One stage on one worker.
 struct Stage {
-    int node = -1;
+    const StagePlan* plan = nullptr;
+    int node = -1;                                   // its first, for messages
     const NodeInstance* instance = nullptr;
     Form form = Form::stage;
     Inputs in;
@@ -35,6 +37,7 @@ struct Stage {
 
 struct Worker {
     std::vector<Stage> stages;
+    std::map<std::pair<int, int>, void*> made;       // batches, by the output they stand at
     ByteWriter bytes;  // of a tile, for a part
 };
 
@@ -90,16 +93,20 @@ class Segment {
     }
 
   private:
+    const NodeInstance& instance_of(const StagePlan& stage) const {
+        return stage.fused ? *stage.fused : *plan_.instances[size_t(stage.nodes[0])];
+    }
+
     int index_of(int node) const {
         const auto found = std::find(task_.nodes.begin(), task_.nodes.end(), node);
         return found == task_.nodes.end() ? -1 : int(found - task_.nodes.begin());
     }
 
     void open_sinks() {
-        results_.resize(task_.nodes.size());
-        for (size_t i = 0; i < task_.nodes.size(); ++i) {
-            const int node = task_.nodes[i];
-            const NodeInstance& instance = *plan_.instances[size_t(node)];
+        results_.resize(task_.stages.size());
+        for (size_t i = 0; i < task_.stages.size(); ++i) {
+            const int node = task_.stages[i].nodes[0];
+            const NodeInstance& instance = instance_of(task_.stages[i]);
             if (instance.form() != Form::sink) continue;
             results_[i] = instance.make_result();
             Inputs in = values_.inputs_of(node);
@@ -109,9 +116,9 @@ class Segment {
     }
 
     void close_sinks() {
-        for (size_t i = 0; i < task_.nodes.size(); ++i) {
-            const int node = task_.nodes[i];
-            const NodeInstance& instance = *plan_.instances[size_t(node)];
+        for (size_t i = 0; i < task_.stages.size(); ++i) {
+            const int node = task_.stages[i].nodes[0];
+            const NodeInstance& instance = instance_of(task_.stages[i]);
             if (instance.form() != Form::sink) continue;
             Inputs in = values_.inputs_of(node);
             in.extent_ = extent_;
@@ -138,31 +145,31 @@ class Segment {
 
     std::unique_ptr<Worker> make_worker() {
         auto worker = std::make_unique<Worker>();
-        worker->stages.resize(task_.nodes.size());
-        for (size_t i = 0; i < task_.nodes.size(); ++i) {
-            const int node = task_.nodes[i];
-            const GraphNode& graph_node = graph_.nodes[size_t(node)];
+        worker->stages.resize(task_.stages.size());
+        for (size_t i = 0; i < task_.stages.size(); ++i) {
             Stage& stage = worker->stages[i];
-            stage.node = node;
-            stage.instance = plan_.instances[size_t(node)].get();
+            stage.plan = &task_.stages[i];
+            stage.node = stage.plan->nodes[0];
+            stage.instance = &instance_of(*stage.plan);
             stage.form = stage.instance->form();
             stage.scratch = stage.instance->make_scratch();
-            stage.in = values_.inputs_of(node);
+            stage.in = values_.inputs_of(*stage.plan);
             stage.in.extent_ = extent_;
-            link_streams(*worker, graph_node, stage);
-            make_outputs(graph_node, stage);
+            link_streams(*worker, stage);
+            make_outputs(*worker, stage);
         }
         return worker;
     }
 
-    void link_streams(Worker& worker, const GraphNode& node, Stage& stage) {
-        for (size_t p = 0; p < node.inputs.size(); ++p) {
-            const PortDecl& port = node.type->inputs[p];
+    void link_streams(Worker& worker, Stage& stage) {
+        for (size_t p = 0; p < stage.plan->inputs.size(); ++p) {
+            const StagePlan::Port& place = stage.plan->inputs[p];
+            const GraphNode& node = graph_.nodes[size_t(place.node)];
+            const PortDecl& port = node.type->inputs[size_t(place.port)];
             if (!port.stream) continue;
-            for (const Link& link : node.inputs[p]) {
-                Stage& from = worker.stages[size_t(index_of(link.node))];
+            for (const Link& link : node.inputs[size_t(place.port)]) {
                 Slot& slot = stage.in.slots[p];
-                slot.object = from.out.slots[size_t(link.port)].object;
+                slot.object = worker.made.at({link.node, link.port});
                 slot.more.push_back(slot.object);
                 const bool per_batch = graph_.nodes[size_t(link.node)].type->outputs[size_t(link.port)].per_batch;
                 if (!stage.follows && !port.branch && !per_batch) stage.follows = slot.type->batch(slot.object);
@@ -171,16 +178,17 @@ class Segment {
         }
     }
 
-    void make_outputs(const GraphNode& node, Stage& stage) {
-        for (size_t p = 0; p < node.type->outputs.size(); ++p) {
-            const PortDecl& port = node.type->outputs[p];
-            const Link link{stage.node, int(p)};
+    void make_outputs(Worker& worker, Stage& stage) {
+        for (const StagePlan::Port& place : stage.plan->outputs) {
+            const PortDecl& port = graph_.nodes[size_t(place.node)].type->outputs[size_t(place.port)];
+            const Link link{place.node, place.port};
             Slot slot;
-            slot.port = port.name;
+            slot.port = place.name;
             slot.type = &values_.type(link);
             if (port.stream && stream_wanted(link)) {
                 stage.owned.push_back(slot.type->make());
                 slot.object = stage.owned.back().get();
+                worker.made[{link.node, link.port}] = slot.object;
                 Batch* batch = slot.type->batch(slot.object);
                 (port.selects || stage.form == Form::source ? stage.selections : stage.same_records).push_back(batch);
                 stage.counted.emplace_back(slot.type, slot.object);
@@ -304,7 +312,7 @@ class Segment {
         std::uint64_t at = begin_us;
         for (const Stage& stage : worker.stages) {
             const std::uint64_t us = std::uint64_t(stage.tile_ns / 1000);
-            monitor_.span({graph_.nodes[size_t(stage.node)].name, "stage, all batches of the tile", at, us, thread_number(), ""});
+            monitor_.span({stage.plan->name(graph_), "stage, all batches of the tile", at, us, thread_number(), ""});
             at += us;
         }
     }
@@ -312,11 +320,10 @@ class Segment {
     SegmentReport summary() {
         SegmentReport report;
         report.name = task_.name;
-        for (size_t i = 0; i < task_.nodes.size(); ++i) {
-            const GraphNode& node = graph_.nodes[size_t(task_.nodes[i])];
+        for (size_t i = 0; i < task_.stages.size(); ++i) {
             StageReport stage;
-            stage.name = node.name;
-            stage.type = node.type->type;
+            stage.name = task_.stages[i].name(graph_);
+            stage.type = task_.stages[i].type(graph_);
             for (const auto& worker : idle_) {
                 stage.cpu_s += worker->stages[i].cpu_ns * 1e-9;
                 stage.wall_s += worker->stages[i].wall_ns * 1e-9;

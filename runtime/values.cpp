@@ -54,6 +54,18 @@ Inputs Values::inputs_of(int node) const {
     return in;
 }
 
+Inputs Values::inputs_of(const StagePlan& stage) const {
+    if (!stage.fusion) return inputs_of(stage.nodes[0]);
+    Inputs in;
+    for (const StagePlan::Port& port : stage.inputs) {
+        const Inputs all = inputs_of(port.node);
+        in.slots.push_back(all.slots[size_t(port.port)]);
+        in.slots.back().port = port.name;
+        in.linked.emplace_back(port.name, all.linked[size_t(port.port)].second);
+    }
+    return in;
+}
+
 Outputs Values::outputs_of(int node) {
     const GraphNode& n = plan_.graph->nodes[size_t(node)];
     Outputs out;

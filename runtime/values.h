@@ -25,6 +25,7 @@ class Values {
 
     // Inputs of a node: its values; streams are left out (segments put batches there).
     Inputs inputs_of(int node) const;
+    Inputs inputs_of(const StagePlan& stage) const;
     Outputs outputs_of(int node);                 // with everything wanted made
 
   private:

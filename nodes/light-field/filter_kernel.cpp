@@ -4,12 +4,10 @@
 
 #include "light-field/kernels.h"
 #include "light-field/simd.h"
+#include "light-field/weighted_mean.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
-using Q = hn::FixedTag<float, 4>;
-constexpr Q q;
-
 // Weights of n points. `power`: the exponent, where it is a small whole number; 0: any.
 template <int power>
 void weigh(const float* dx, const float* dy, size_t n, const Tent& tent, float* weight) {
@@ -24,38 +22,6 @@ void weigh(const float* dx, const float* dy, size_t n, const Tent& tent, float* 
     }
     if constexpr (power == 0)
         for (size_t i = 0; i < n; ++i) weight[i] = weight[i] > 0 ? std::pow(weight[i], tent.exponent) : 0.0f;
-}
-
-// Weighted mean of n samples' colours, in the order in which they come; false where all weights vanish.
-bool write_mean(const float* rgba, const std::uint32_t* sample, const float* weight, size_t n, float* out) {
-    auto even = hn::Zero(q), odd = hn::Zero(q), sums = hn::Zero(q);
-    size_t i = 0;
-    for (; i + 1 < n; i += 2) {
-        const auto a = hn::Set(q, weight[i]), b = hn::Set(q, weight[i + 1]);
-        even = hn::MulAdd(a, hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
-        odd = hn::MulAdd(b, hn::LoadU(q, rgba + 4 * size_t(sample[i + 1])), odd);
-        sums = hn::Add(sums, hn::Add(a, b));
-    }
-    if (i < n) {
-        const auto a = hn::Set(q, weight[i]);
-        even = hn::MulAdd(a, hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
-        sums = hn::Add(sums, a);
-    }
-    hn::StoreU(hn::Div(hn::Add(even, odd), sums), q, out);
-    return hn::GetLane(sums) > 0;
-}
-
-void write_nearest(const float* rgba, const std::uint32_t* sample, const float* dx, const float* dy, size_t n, float* out) {
-    size_t nearest = 0;
-    float least = 1e38f;
-    for (size_t i = 0; i < n; ++i) {
-        const float distance = dx[i] * dx[i] + dy[i] * dy[i];
-        if (distance < least) {
-            least = distance;
-            nearest = i;
-        }
-    }
-    std::copy_n(rgba + 4 * size_t(sample[nearest]), 4, out);
 }
 
 // The candidates of surfaces [first, last], side by side in the scratch; their number.

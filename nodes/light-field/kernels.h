@@ -63,9 +63,38 @@ struct FilterScratch {
     std::vector<std::uint32_t> sample;
 };
 
+// What see-visible does (reproject, same-surface-cluster, coverage and filter-visible together).
+struct SeeSettings {
+    float radius = 1;        // px, of the search
+    float cover_radius = 1;  // px: R, by which surfaces surround a location
+    SameSurface test;
+    Tent tent;               // of power 1, 2 or 4; ends within the search
+    bool final = false;      // settle all, as coverage's final pass does
+};
+struct SeeScratch {
+    std::vector<std::uint32_t> open;    // locations that are not settled at first sight
+    std::vector<std::uint8_t> colored;  // whether they have a colour, should they have one surface
+    // Candidates of one location: as they are found, and nearest first.
+    std::vector<float> found_x, found_y, found_depth, x, y, depth, slope, velocity_x, velocity_y;
+    std::vector<std::uint32_t> found, rank, sample;
+    std::vector<float> weight;  // of those that are filtered
+    std::vector<std::uint32_t> seen;
+    CoverageScratch coverage;
+    Visibility visibility;
+
+    void grow(size_t n) {
+        if (x.size() >= n) return;
+        for (auto* values : {&found_x, &found_y, &found_depth, &x, &y, &depth, &slope, &velocity_x, &velocity_y, &weight,
+                             &coverage.x, &coverage.y})
+            values->resize(2 * n);
+        for (auto* values : {&found, &rank, &sample, &seen}) values->resize(2 * n);
+    }
+};
+
 #define WEFT_LIGHT_FIELD_KERNELS(isa)                                                                       \
     namespace isa {                                                                                         \
-    void project(const Hierarchy& hierarchy, Block& block, float u, float v, float t, Projection& out);     \
+    void project(const Hierarchy& hierarchy, Block& block, float u, float v, float t, bool colors,          \
+                 Projection& out);                                                                          \
     void gather(const Projection& projection, const Locations& locations, float radius, Candidates& out);   \
     void gather_each(const Hierarchy& hierarchy, Block& block, const Locations& locations, float radius,    \
                      Candidates& out);                                                                      \
@@ -76,6 +105,8 @@ struct FilterScratch {
                        CoverageScratch& scratch, Visibility& out);                                          \
     void filter(const Candidates& candidates, const Surfaces& surfaces, const Visibility& visibility,       \
                 const Tent& tent, FilterScratch& scratch, Colors& out);                                     \
+    void see(const Projection& projection, const Locations& locations, const SeeSettings& settings,         \
+             SeeScratch& scratch, Colors& out);                                                             \
     }
 WEFT_LIGHT_FIELD_KERNELS(v2)
 WEFT_LIGHT_FIELD_KERNELS(v3)

@@ -115,8 +115,29 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
     out.spread = to.n == 0 ? 0 : to.spread.between();
 }
 
+// Where the entries of an array go to.
+struct Entries {
+    float *x, *y, *rgba;
+    std::uint32_t *sample, *traits;
+};
+
+template <bool colored>
+void put_entries(const Hierarchy& h, const Block& block, size_t n, const std::uint32_t* start, Entries to) {
+    const hn::FixedTag<float, 4> q;
+    const float *x = block.x.data(), *y = block.y.data(), *rgba = h.rgba.data();
+    const std::uint32_t *cell = block.cell.data(), *rank = block.rank.data(), *sample = block.sample.data(), *traits = block.traits.data();
+    for (size_t i = 0; i < n; ++i) {
+        const size_t at = start[cell[i]] + rank[i], from = sample[i];
+        to.x[at] = x[i];
+        to.y[at] = y[i];
+        to.sample[at] = sample[i];
+        to.traits[at] = traits[i];
+        if constexpr (colored) hn::StoreU(hn::LoadU(q, rgba + 4 * from), q, to.rgba + 4 * at);
+    }
+}
+
 // Puts what project_groups left in order of cells.
-void sort_into_cells(Block& block, Projection& out) {
+void sort_into_cells(const Hierarchy& h, Block& block, Projection& out) {
     const size_t n = out.samples, pitch = size_t(out.columns) + 1, cells = pitch * size_t(out.rows);
     out.start.assign(cells + 1, 0);
     std::uint32_t* count = out.start.data();
@@ -135,30 +156,24 @@ void sort_into_cells(Block& block, Projection& out) {
     out.start[cells] = sum;
     const size_t need = sum + lanes;
     if (out.x.size() < need) {
-        out.x.resize(need + need / 4);
-        out.y.resize(need + need / 4);
-        out.sample.resize(need + need / 4);
-        out.traits.resize(need + need / 4);
+        for (auto* values : {&out.x, &out.y}) values->resize(need + need / 4);
+        for (auto* values : {&out.sample, &out.traits}) values->resize(need + need / 4);
     }
-    float *x = out.x.data(), *y = out.y.data();
-    std::uint32_t *sample = out.sample.data(), *traits = out.traits.data();
-    for (size_t i = 0; i < n; ++i) {
-        const std::uint32_t to = count[block.cell[i]] + block.rank[i];
-        x[to] = block.x[i];
-        y[to] = block.y[i];
-        sample[to] = block.sample[i];
-        traits[to] = block.traits[i];
-    }
+    if (out.colored && out.rgba.size() < 4 * need) out.rgba.resize(5 * need);
+    const Entries to{out.x.data(), out.y.data(), out.rgba.data(), out.sample.data(), out.traits.data()};
+    if (out.colored) put_entries<true>(h, block, n, count, to);
+    else put_entries<false>(h, block, n, count, to);
     for (size_t row = 0; row < size_t(out.rows); ++row) {
-        float* end = x + count[row * pitch + pitch - 1];
+        float* end = to.x + count[row * pitch + pitch - 1];
         std::fill(end, end + Projection::padding, 1e30f);
     }
 }
 
 }  // namespace
 
-void project(const Hierarchy& h, Block& block, float u, float v, float t, Projection& out) {
+void project(const Hierarchy& h, Block& block, float u, float v, float t, bool colors, Projection& out) {
     out.hierarchy = &h;
+    out.colored = colors;
     out.u = u;
     out.v = v;
     out.t = t;
@@ -184,7 +199,7 @@ void project(const Hierarchy& h, Block& block, float u, float v, float t, Projec
         for (auto* values : {&block.cell, &block.sample, &block.traits, &block.rank}) values->resize(most);
     }
     project_groups(h, block, groups, u, v, d, out);
-    sort_into_cells(block, out);
+    sort_into_cells(h, block, out);
 }
 
 }  // namespace weft::light_field::WEFT_ISA

@@ -50,6 +50,8 @@ struct Projection : Batch {
     float slope_step = 0, velocity_step = 0;           // of the bytes; see Candidates::spread
     std::uint32_t spread = 0;                          // of all samples: 0xffffffff: not known
     size_t samples = 0;                                // projected
+    bool colored = false;
+    std::vector<float> rgba;                           // 4 an entry, where colored
 
     std::uint32_t row_start(int row) const { return start[size_t(row) * size_t(columns + 1)]; }
     void count(Items& items) const { items.add("projected", samples); }
@@ -122,7 +124,11 @@ struct Colors : Batch {
     std::vector<float> rgba;  // 4 a location
     std::vector<std::uint8_t> valid;
     const std::string* color_space = nullptr;  // of the samples
-    void count(Items& items) const { items.add("locations", size()); }
+    std::uint64_t candidates = 0;              // samples they were filtered from, where one kernel did all of it
+    void count(Items& items) const {
+        items.add("locations", size());
+        if (candidates > 0) items.add("candidates", candidates);
+    }
     void describe(FieldVisitor& see) const;
 };
 

@@ -48,7 +48,7 @@ class Kernels : public testing::TestWithParam<std::tuple<Isa, Kind_of, bool>> {
         collect(h, at.x0, at.y0, at.x1, at.y1, radius, block);
         if (at.shared) {
             Projection p;
-            WEFT_PICK(project)(h, block, at.u[0], at.v[0], at.t[0], p);
+            WEFT_PICK(project)(h, block, at.u[0], at.v[0], at.t[0], false, p);
             WEFT_PICK(gather)(p, at, radius, c);
         } else {
             WEFT_PICK(gather_each)(h, block, at, radius, c);
@@ -231,7 +231,7 @@ TEST(Coverage, OfRandomPointsIsThatOfTheScalarForm) {
         CoverageScratch scratch;
         size_t covered = 0;
         for (int trial = 0; trial < 3000; ++trial) {
-            const size_t n = 4 + size_t(trial % 9);
+            const size_t n = trial % 100 == 99 ? 60 : 4 + size_t(trial % 9);
             std::vector<float> x, y;
             while (x.size() < n) {
                 const float px = place(random), py = place(random);

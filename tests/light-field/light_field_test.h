@@ -67,7 +67,7 @@ struct GraphRun {
     std::vector<std::string> warnings;
     Image picture;
 
-    GraphRun(std::string text, int tile = 32, int threads = 1) {
+    GraphRun(std::string text, int tile = 32, int threads = 1, bool fuse = true) {
         const std::string out = folder / "out.exr";
         for (size_t at; (at = text.find("OUT")) != std::string::npos;) text.replace(at, 3, out);
         LoadOptions load;
@@ -79,7 +79,9 @@ struct GraphRun {
         RunOptions options;
         options.tile = tile;
         Monitor monitor;
-        result = run_plan(make_plan(loaded.graph), *make_thread_executor(threads), monitor, options);
+        PlanOptions plan;
+        plan.fuse = fuse;
+        result = run_plan(make_plan(loaded.graph, plan), *make_thread_executor(threads), monitor, options);
         for (const NodeError& error : result.errors) ADD_FAILURE() << error.node << ": " << error.message;
         if (result.ok()) picture = read_picture(out);
     }

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "runtime/atomic_file.h"
+#include "runtime/fusion.h"
 
 namespace weft {
 
@@ -193,6 +194,48 @@ struct ToyOdd {
     }
 };
 WEFT_NODE(ToyOdd, "toy-odd", 1)
+
+// toy-scale and toy-odd in one go; not by 7.
+struct ToyScaleOdd {
+    float by = 0;
+    int fail_at_pixel = -1;
+    static void declare(Fusing<ToyScaleOdd>& fusing) {
+        fusing.about("scales dots and selects those of odd pixels")
+            .part("toy-scale").part("toy-odd")
+            .inner("toy-scale.dots", {"toy-odd.dots"})
+            .in("dots", {"toy-scale.dots"})
+            .in("number", {"toy-scale.number"})
+            .out("dots", "toy-odd.dots")
+            .out("odd", "toy-odd.odd")
+            .param("toy-scale.by", &ToyScaleOdd::by)
+            .param("toy-scale.fail-at-pixel", &ToyScaleOdd::fail_at_pixel);
+    }
+    bool suits() const { return by != 7; }
+    struct Scratch {
+        Dots scaled;
+        std::vector<std::uint32_t> batches;
+    };
+    void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
+        const Dots& dots = in.get<Dots>("dots");
+        const float factor = by * float(in.get_or<Number>("number", Number{1}).value);
+        Dots& scaled = out.wanted("dots") ? out.get<Dots>("dots") : scratch.scaled;
+        scaled.value.resize(dots.size());
+        Dots* odd = out.wanted("odd") ? &out.get<Dots>("odd") : nullptr;
+        if (odd) odd->value.clear(), odd->owned_pixels.clear(), odd->owned_parents.clear();
+        for (size_t i = 0; i < dots.size(); ++i) {
+            if (int(dots.pixels[i]) == fail_at_pixel) throw Error("cannot scale this one");
+            scaled.value[i] = dots.value[i] * factor;
+            if (!odd || dots.pixels[i] % 2 == 0) continue;
+            odd->value.push_back(scaled.value[i]);
+            odd->owned_pixels.push_back(dots.pixels[i]);
+            odd->owned_parents.push_back(std::uint32_t(i));
+        }
+        if (!odd) return;
+        odd->pixels = odd->owned_pixels;
+        odd->parents = odd->owned_parents;
+    }
+};
+WEFT_FUSION(ToyScaleOdd, "toy-scale-odd")
 
 struct ToyMerge {
     static void declare(Ports<ToyMerge>& node) {

@@ -1,0 +1,455 @@
+// What reproject, same-surface-cluster, coverage and filter-visible make of a location, in one go.
+#include <algorithm>
+#include <cmath>
+
+#include "light-field/grid_reach.h"
+#include "light-field/kernels.h"
+#include "light-field/layers.h"
+#include "light-field/simd.h"
+#include "light-field/surrounded.h"
+#include "light-field/weighted_mean.h"
+
+namespace weft::light_field::WEFT_ISA {
+namespace {
+
+// Whether samples' traits (Projection) differ so little from some model's that no two of them can
+// conflict.
+struct Likeness {
+    VU most;  // of each byte
+    Likeness(std::int32_t slopes, std::int32_t velocities, bool moving) {
+        const auto half = [](std::int32_t way) { return std::uint32_t(std::max(way, 0) / 2); };
+        const std::uint32_t velocity = moving ? half(velocities) : 255;
+        most = hn::Set(un, slopes < 0 || (moving && velocities < 0)
+                               ? 0
+                               : half(slopes) | velocity << 8 | velocity << 16);
+    }
+    template <class M>
+    HWY_INLINE VU add(VU unlike, VU traits, VU model, M in) const {
+        const auto a = hn::BitCast(un8, traits), b = hn::BitCast(un8, model);
+        const VU differ = hn::BitCast(un, hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)));
+        const VU counts = hn::IfThenElseZero(hn::RebindMask(un, in), differ);
+        return hn::BitCast(un, hn::Max(hn::BitCast(un8, unlike), hn::BitCast(un8, counts)));
+    }
+    HWY_INLINE bool holds(VU unlike) const {
+        const auto limit = hn::BitCast(un8, most);
+        return hn::AllTrue(un8, hn::Eq(hn::Max(hn::BitCast(un8, unlike), limit), limit));
+    }
+};
+
+template <int power>
+class Seeing {
+  public:
+    Seeing(const Projection& p, const Locations& at, const SeeSettings& set, SeeScratch& scratch,
+           Colors& out)
+        : p_(p),
+          h_(*p.hierarchy),
+          at_(at),
+          set_(set),
+          c_(scratch),
+          out_(out),
+          weight_(set.tent.radius),
+          limit_(hn::Set(f, set.radius * set.radius)) {
+        // No two candidates can conflict where their spread (Candidates::spread) is at most this.
+        const auto bound = [&](float way, float step) {
+            return std::int32_t(std::floor(std::clamp(
+                way > 0 ? set.test.tolerance / (way * step) - 1.0f : 1e9f, -1.0f, 255.0f)));
+        };
+        slopes_ = bound(set.test.box * std::max(1.0f, h_.lens.aspect), p.slope_step);
+        velocities_ = bound(0.5f * set.test.box, p.velocity_step);
+        c_.visibility.decision.assign(at.size(), Decision::one);
+    }
+
+    // First look: most locations have one surface only.
+    void look() {
+        c_.open.clear();
+        c_.colored.clear();
+        if (alike(p_.spread))
+            look_at_each<false>();
+        else
+            look_at_each<true>();
+        for (size_t i = 0; i < c_.open.size(); ++i) settle_front(c_.open[i], c_.colored[i]);
+    }
+
+    // Final look, with samples from farther around.
+    void look_finally() {
+        for (size_t l = 0; l < at_.size(); ++l) settle(l);
+    }
+
+  private:
+    // `each`: surfaces are asked about location by location; else no two samples of the projection
+    // can be told apart.
+    template <bool each>
+    void look_at_each() {
+        constexpr size_t usual = Projection::padding;
+        const size_t n = at_.size(), pitch = size_t(p_.columns) + 1;
+        const float *px = p_.x.data(), *py = p_.y.data(), *rgba = p_.rgba.data();
+        const Likeness likeness(slopes_, velocities_, h_.moving);
+        std::uint32_t usual_traits = 0;
+        Reach reach;
+        for (size_t first = 0; first < n; first += Reach::at_once) {
+            const size_t count = std::min(n - first, Reach::at_once);
+            reach.find(p_, &at_.x[first], &at_.y[first], count, set_.radius);
+            for (size_t j = 0; j < count; ++j) {
+                const size_t l = first + j;
+                const std::uint32_t* row =
+                    p_.start.data() + size_t(reach.top[j]) * pitch + size_t(reach.left[j]);
+                const size_t across = size_t(reach.right[j] - reach.left[j]) + 1,
+                             rows = size_t(reach.bottom[j] - reach.top[j]) + 1;
+                const VF at_x = hn::Set(f, at_.x[l]), at_y = hn::Set(f, at_.y[l]);
+                const VU model = hn::Set(un, usual_traits);
+                VU unlike = hn::Zero(un);
+                Sums sums;
+                const auto add = [&](size_t i) HWY_ATTR {
+                    const VF d2 = squared(hn::Sub(hn::LoadU(f, px + i), at_x),
+                                          hn::Sub(hn::LoadU(f, py + i), at_y));
+                    if constexpr (each)
+                        unlike = likeness.add(unlike, hn::LoadU(un, &p_.traits[i]), model,
+                                              hn::Lt(d2, limit_));
+                    sums.add(weight_(d2), rgba + 4 * i);
+                };
+                for (size_t r = 0; r < rows; ++r, row += pitch) {
+                    size_t i = row[0];
+                    const size_t stop = row[across];
+                    out_.candidates += stop - i;
+                    for (size_t done = 0; done < usual; done += lanes, i += lanes) add(i);
+                    for (; i < stop; i += lanes) add(i);
+                }
+                const bool colored = sums.mean(&out_.rgba[4 * l]) > 0;
+                out_.valid[l] = 1;
+                if (colored && (!each || likeness.holds(unlike))) continue;
+                c_.open.push_back(std::uint32_t(l));
+                c_.colored.push_back(colored);
+                // A sample whose traits do not fit (the fourth byte) is like none.
+                if constexpr (each) usual_traits = p_.traits[p_.start[cell_of(l)]] & 0xffffff;
+            }
+        }
+    }
+
+    // The cell in which location l lies.
+    size_t cell_of(size_t l) const {
+        const int column = int(std::floor(at_.x[l] / p_.cell_width)) - p_.column0,
+                  row = int(std::floor(at_.y[l] / p_.cell_height)) - p_.row0;
+        return size_t(row) * size_t(p_.columns + 1) + size_t(column);
+    }
+
+    bool still(std::uint32_t spread) const {
+        return !h_.moving ||
+               (spread != 0xffffffffu && std::int32_t(spread >> 8 & 255) <= velocities_ &&
+                std::int32_t(spread >> 16 & 255) <= velocities_);
+    }
+    bool alike(std::uint32_t spread) const {
+        return spread != 0xffffffffu && still(spread) && std::int32_t(spread & 255) <= slopes_;
+    }
+
+    // The candidates of location l, side by side; their spread.
+    std::uint32_t gather(size_t l) {
+        Reach reach;
+        reach.find(p_, &at_.x[l], &at_.y[l], 1, set_.radius);
+        const size_t pitch = size_t(p_.columns) + 1,
+                     across = size_t(reach.right[0] - reach.left[0]) + 1;
+        const std::uint32_t* first =
+            p_.start.data() + size_t(reach.top[0]) * pitch + size_t(reach.left[0]);
+        const std::uint32_t* last =
+            p_.start.data() + size_t(reach.bottom[0]) * pitch + size_t(reach.left[0]);
+        size_t most = 4 * lanes;
+        for (const std::uint32_t* row = first; row <= last; row += pitch)
+            most += row[across] - row[0];
+        c_.grow(most);
+        const VF at_x = hn::Set(f, at_.x[l]), at_y = hn::Set(f, at_.y[l]);
+        Spread spread;
+        n_ = 0;
+        for (const std::uint32_t* row = first; row <= last; row += pitch)
+            for (size_t i = row[0]; i < row[across]; i += lanes) {
+                const VF dx = hn::Sub(hn::LoadU(f, &p_.x[i]), at_x),
+                         dy = hn::Sub(hn::LoadU(f, &p_.y[i]), at_y);
+                const auto in = hn::Lt(squared(dx, dy), limit_);
+                const Pack pack(in);
+                pack.store(dx, &c_.found_x[n_]);
+                pack.store(dy, &c_.found_y[n_]);
+                pack.store(hn::LoadU(un, &p_.sample[i]), &c_.found[n_]);
+                spread.add(hn::LoadU(un, &p_.traits[i]), in);
+                n_ += pack.count;
+            }
+        return n_ ? spread.between() : 0;
+    }
+
+    // Samples of the hierarchy from a list of n_, those past its end being its first.
+    HWY_INLINE VI samples_at(const std::vector<std::uint32_t>& list, size_t i) const {
+        return hn::BitCast(sn, hn::IfThenElse(hn::FirstN(un, n_ - i), hn::LoadU(un, &list[i]),
+                                              hn::Set(un, list[0])));
+    }
+    HWY_INLINE static VF load(const std::vector<float>& from, VI samples) {
+        return hn::GatherIndex(f, from.data(), samples);
+    }
+
+    // Puts the candidates in order of depth, with what they do at the location.
+    Layers layers(size_t l, std::uint32_t spread) {
+        const float u = p_.u, v = p_.v, box = set_.test.box;
+        const bool moving = !still(spread);
+        const VF c0 = hn::Set(f, h_.lens.c0 * box), c1 = hn::Set(f, h_.lens.c1 * box),
+                 one = hn::Set(f, 1.0f);
+        const VF time = hn::Set(f, p_.t - 0.5f), way = hn::Set(f, 0.5f * box);
+        const VF at_x = hn::Set(f, at_.x[l] - h_.lens.c1 * u * h_.lens.aspect),
+                 at_y = hn::Set(f, at_.y[l] - h_.lens.c1 * v);
+        for (size_t i = 0; i < n_; i += lanes) {
+            const VI sample = samples_at(c_.found, i);
+            VF depth = load(h_.W, sample);
+            if (h_.moving) depth = hn::MulAdd(time, load(h_.VW, sample), depth);
+            hn::StoreU(depth, f, &c_.found_depth[i]);
+        }
+        rank_by_depth(c_.found_depth.data(), n_, c_.rank.data());
+        for (size_t i = 0; i < n_; ++i) {
+            const size_t to = c_.rank[i];
+            c_.x[to] = c_.found_x[i];
+            c_.y[to] = c_.found_y[i];
+            c_.depth[to] = c_.found_depth[i];
+            c_.sample[to] = c_.found[i];
+        }
+        for (size_t i = 0; i < n_; i += lanes) {
+            const VF depth = hn::LoadU(f, &c_.depth[i]);
+            hn::StoreU(hn::MulAdd(c0, hn::Div(one, depth), c1), f, &c_.slope[i]);
+            if (!moving) continue;
+            const VI sample = samples_at(c_.sample, i);
+            const VF inverse = hn::Div(way, depth), VW = load(h_.VW, sample);
+            const VF x = hn::Add(at_x, hn::LoadU(f, &c_.x[i])),
+                     y = hn::Add(at_y, hn::LoadU(f, &c_.y[i]));
+            hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(VW, x, load(h_.VX, sample))), f,
+                       &c_.velocity_x[i]);
+            hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(VW, y, load(h_.VY, sample))), f,
+                       &c_.velocity_y[i]);
+        }
+        return {c_, n_, h_.lens.aspect, set_.test.tolerance, moving};
+    }
+
+    // The front surface, if it is the only one or surrounds the location. `colored`: the colour of
+    // all is there.
+    void settle_front(size_t l, bool colored) {
+        const std::uint32_t spread = gather(l);
+        if (n_ == 0) return leave(l);
+        if (n_ < 2 || alike(spread)) {
+            if (!colored) filter(l, c_.found_x.data(), c_.found_y.data(), c_.found.data(), n_);
+            return;
+        }
+        const bool few = n_ <= 2 * lanes;
+        if (few)
+            return still(spread) ? settle_few<false>(l, colored) : settle_few<true>(l, colored);
+        const size_t end = layers(l, spread).next(0);
+        if (end == n_ && colored) return;
+        if (end == n_) return filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), n_);
+        Hull hull;
+        for (size_t i = 0; i < end; i += lanes)
+            hull.add(hn::LoadU(f, &c_.x[i]), hn::LoadU(f, &c_.y[i]), hn::FirstN(f, end - i));
+        if (!hull.inside()) return leave(l);
+        c_.visibility.decision[l] = Decision::covered;
+        filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), end);
+    }
+
+    template <bool moving>
+    void settle_few(size_t l, bool colored) {
+        if (n_ <= lanes)
+            settle_front_of<moving, 1>(l, colored);
+        else
+            settle_front_of<moving, 2>(l, colored);
+    }
+
+    // As settle_front, of a few candidates that stay in `vectors` registers, in no order: the front
+    // surface ends at the nearest sample that conflicts with a nearer one.
+    template <bool moving, size_t vectors>
+    void settle_front_of(size_t l, bool colored) {
+        const float u = p_.u, v = p_.v, box = set_.test.box;
+        const VF c0 = hn::Set(f, h_.lens.c0 * box), c1 = hn::Set(f, h_.lens.c1 * box),
+                 one = hn::Set(f, 1.0f);
+        const VF time = hn::Set(f, p_.t - 0.5f), limit = hn::Set(f, set_.test.tolerance),
+                 stretch = hn::Set(f, h_.lens.aspect);
+        VF x[vectors], y[vectors], depth[vectors], slope[vectors], vx[vectors], vy[vectors];
+        for (size_t k = 0, i = 0; k < vectors; ++k, i += lanes) {
+            const VI sample = samples_at(c_.found, i);
+            x[k] = hn::LoadU(f, &c_.found_x[i]);
+            y[k] = hn::LoadU(f, &c_.found_y[i]);
+            depth[k] = load(h_.W, sample);
+            if (h_.moving) {
+                const VF VW = load(h_.VW, sample);
+                depth[k] = hn::MulAdd(time, VW, depth[k]);
+                if constexpr (moving) {
+                    const VF at_x = hn::Set(f, at_.x[l] - h_.lens.c1 * u * h_.lens.aspect),
+                             at_y = hn::Set(f, at_.y[l] - h_.lens.c1 * v);
+                    const VF inverse = hn::Div(hn::Set(f, 0.5f * box), depth[k]);
+                    vx[k] = hn::Mul(inverse,
+                                    hn::NegMulAdd(VW, hn::Add(at_x, x[k]), load(h_.VX, sample)));
+                    vy[k] = hn::Mul(inverse,
+                                    hn::NegMulAdd(VW, hn::Add(at_y, y[k]), load(h_.VY, sample)));
+                    hn::StoreU(vx[k], f, &c_.velocity_x[i]);
+                    hn::StoreU(vy[k], f, &c_.velocity_y[i]);
+                }
+            }
+            slope[k] = hn::MulAdd(c0, hn::Div(one, depth[k]), c1);
+            hn::StoreU(depth[k], f, &c_.depth[i]);
+            hn::StoreU(slope[k], f, &c_.slope[i]);
+        }
+        using Mask = hn::Mask<F>;
+        Mask found[vectors];
+        for (Mask& mask : found) mask = hn::MaskFromVec(hn::Zero(f));
+        for (size_t j = 0; j < n_; ++j) {
+            const VF other = hn::Set(f, c_.depth[j]), other_slope = hn::Set(f, c_.slope[j]);
+            const VF other_x = hn::Set(f, c_.found_x[j]), other_y = hn::Set(f, c_.found_y[j]);
+            for (size_t k = 0; k < vectors; ++k) {
+                VF way_y = hn::AbsDiff(other_slope, slope[k]), way_x = hn::Mul(way_y, stretch);
+                if constexpr (moving) {
+                    way_x = hn::Max(way_x, hn::AbsDiff(hn::Set(f, c_.velocity_x[j]), vx[k]));
+                    way_y = hn::Max(way_y, hn::AbsDiff(hn::Set(f, c_.velocity_y[j]), vy[k]));
+                }
+                const Mask cross =
+                    hn::Or(hn::Lt(hn::Add(hn::AbsDiff(other_x, x[k]), limit), way_x),
+                           hn::Lt(hn::Add(hn::AbsDiff(other_y, y[k]), limit), way_y));
+                // Of equal depths the first is the nearer.
+                const Mask later =
+                    hn::AndNot(hn::FirstN(f, j + 1 > k * lanes ? j + 1 - k * lanes : 0),
+                               hn::Eq(other, depth[k]));
+                found[k] = hn::Or(found[k], hn::And(cross, hn::Or(hn::Lt(other, depth[k]), later)));
+            }
+        }
+        VF least = hn::Set(f, 1e38f);
+        for (size_t k = 0; k < vectors; ++k) {
+            found[k] = hn::And(found[k], hn::FirstN(f, n_ - k * lanes));
+            least = hn::Min(least, hn::IfThenElse(found[k], depth[k], hn::Set(f, 1e38f)));
+        }
+        const VF border = hn::MinOfLanes(f, least);
+        // The front surface: nearer than the border, or as near and before the first found there.
+        Mask seen[vectors];
+        bool past = false, all = true;
+        for (size_t k = 0; k < vectors; ++k) {
+            const Mask in = hn::FirstN(f, n_ - k * lanes),
+                       level = hn::And(in, hn::Eq(depth[k], border));
+            seen[k] = hn::And(in, hn::Lt(depth[k], border));
+            if (const unsigned ends = bits_of(f, hn::And(found[k], level)); !past) {
+                seen[k] = hn::Or(
+                    seen[k],
+                    ends ? hn::And(level, hn::FirstN(f, size_t(__builtin_ctz(ends)))) : level);
+                past = ends != 0;
+            }
+            all = all && hn::AllTrue(f, hn::Or(seen[k], hn::Not(in)));
+        }
+        if (all && colored) return;
+        Hull hull;
+        if (!all) {
+            for (size_t k = 0; k < vectors; ++k) hull.add(x[k], y[k], seen[k]);
+            if (!hull.inside()) return leave(l);
+            c_.visibility.decision[l] = Decision::covered;
+        }
+        size_t n = 0;
+        for (size_t k = 0; k < vectors; ++k) {
+            const Pack pack(seen[k]);
+            pack.store(x[k], &c_.x[n]);
+            pack.store(y[k], &c_.y[n]);
+            pack.store(hn::LoadU(un, &c_.found[k * lanes]), &c_.sample[n]);
+            n += pack.count;
+        }
+        filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), n);
+    }
+
+    // Front to back: the first surface that surrounds the location, else the last.
+    void settle(size_t l) {
+        constexpr size_t small =
+            4;  // samples; a surface of fewer is taken together with the one behind it
+        const std::uint32_t spread = gather(l);
+        out_.candidates += n_;
+        if (n_ == 0) return leave(l);
+        if (n_ < 2 || alike(spread))
+            return filter(l, c_.found_x.data(), c_.found_y.data(), c_.found.data(), n_);
+        const Layers layer = layers(l, spread);
+        for (size_t first = 0, end = 0;;) {
+            end = layer.next(end);
+            const bool last = end == n_;
+            if (!last && (end - first < small || !surrounds(first, end))) {
+                if (end - first >= small) first = end;
+                continue;
+            }
+            if (first > 0 || !last)
+                c_.visibility.decision[l] = last ? Decision::last : Decision::covered;
+            return filter(l, &c_.x[first], &c_.y[first], &c_.sample[first], end - first);
+        }
+    }
+
+    // Whether candidates [first, end) surround the location.
+    bool surrounds(size_t first, size_t end) {
+        size_t near = 0, n = 0;
+        const VF limit = hn::Set(f, set_.cover_radius * set_.cover_radius);
+        float *x = c_.coverage.x.data(), *y = c_.coverage.y.data();
+        for (const bool inside : {true, false}) {
+            for (size_t i = first; i < end; i += lanes) {
+                const VF dx = hn::LoadU(f, &c_.x[i]), dy = hn::LoadU(f, &c_.y[i]);
+                const auto within = hn::Le(squared(dx, dy), limit);
+                const Pack pack(hn::And(hn::FirstN(f, end - i), inside ? within : hn::Not(within)));
+                pack.store(dx, x + n);
+                pack.store(dy, y + n);
+                n += pack.count;
+            }
+            if (inside) near = n;
+        }
+        return surrounded(x, y, near, n, set_.cover_radius, c_.coverage);
+    }
+
+    // Writes the mean of n samples under the tent; where all weights vanish, the nearest's colour.
+    void filter(size_t l, const float* x, const float* y, const std::uint32_t* sample, size_t n) {
+        size_t seen = 0;
+        for (size_t i = 0; i < n; i += lanes) {
+            const VF weight = weight_(squared(hn::LoadU(f, x + i), hn::LoadU(f, y + i)));
+            const Pack pack(hn::And(hn::FirstN(f, n - i), hn::Gt(weight, hn::Zero(f))));
+            pack.store(weight, &c_.weight[seen]);
+            pack.store(hn::LoadU(un, sample + i), &c_.seen[seen]);
+            seen += pack.count;
+        }
+        float* to = &out_.rgba[4 * l];
+        out_.valid[l] = 1;
+        if (seen == 0)
+            write_nearest(h_.rgba.data(), sample, x, y, n, to);
+        else
+            write_mean(h_.rgba.data(), c_.seen.data(), c_.weight.data(), seen, to);
+    }
+
+    void leave(size_t l) {
+        std::fill_n(&out_.rgba[4 * l], 4, 0.0f);
+        out_.valid[l] = 0;
+        c_.visibility.decision[l] = Decision::undecided;
+    }
+
+    const Projection& p_;
+    const Hierarchy& h_;
+    const Locations& at_;
+    const SeeSettings& set_;
+    SeeScratch& c_;
+    Colors& out_;
+    const TentWeight<power> weight_;
+    const VF limit_;
+    std::int32_t slopes_ = 0, velocities_ = 0;
+    size_t n_ = 0;  // candidates of the location at hand
+};
+
+template <int power>
+void see_all(const Projection& p, const Locations& at, const SeeSettings& set, SeeScratch& scratch,
+             Colors& out) {
+    Seeing<power> seeing(p, at, set, scratch, out);
+    if (set.final)
+        seeing.look_finally();
+    else
+        seeing.look();
+}
+
+}  // namespace
+
+void see(const Projection& p, const Locations& at, const SeeSettings& set, SeeScratch& scratch,
+         Colors& out) {
+    const size_t n = at.size();
+    out.rgba.resize(4 * n);
+    out.valid.resize(n);
+    out.color_space = &p.hierarchy->color_space;
+    out.candidates = 0;
+    if (set.tent.exponent == 1)
+        see_all<1>(p, at, set, scratch, out);
+    else if (set.tent.exponent == 2)
+        see_all<2>(p, at, set, scratch, out);
+    else
+        see_all<4>(p, at, set, scratch, out);
+}
+
+}  // namespace weft::light_field::WEFT_ISA

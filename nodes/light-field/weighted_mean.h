@@ -1,0 +1,111 @@
+// Weights of samples by distance, and weighted means of their colours (4 values a sample). For
+// kernels (weft_kernels).
+#pragma once
+#include <algorithm>
+
+#include "light-field/kernels.h"
+#include "light-field/simd.h"
+
+namespace weft::light_field::WEFT_ISA {
+
+using Q = hn::FixedTag<float, 4>;
+inline constexpr Q q{};
+
+// Of the colours of `lanes` samples, 4 values each, vector j holds those of samples j lanes / 4 and
+// on.
+struct Spreading {
+    alignas(64) std::int32_t lane[4][lanes];
+    constexpr Spreading() : lane{} {
+        for (size_t j = 0; j < 4; ++j)
+            for (size_t l = 0; l < lanes; ++l) lane[j][l] = std::int32_t((j * lanes + l) / 4);
+    }
+};
+inline constexpr Spreading spreading;
+
+// Weighted sums of colours that lie side by side.
+struct Sums {
+    VF weight = hn::Zero(f), even = hn::Zero(f), odd = hn::Zero(f);
+
+    HWY_INLINE void add(VF w, const float* rgba) {
+        weight = hn::Add(weight, w);
+        const auto part = [&](size_t j) HWY_ATTR {
+            return hn::TableLookupLanes(w, hn::SetTableIndices(f, spreading.lane[j]));
+        };
+        even = hn::MulAdd(part(0), hn::LoadU(f, rgba), even);
+        odd = hn::MulAdd(part(1), hn::LoadU(f, rgba + lanes), odd);
+        even = hn::MulAdd(part(2), hn::LoadU(f, rgba + 2 * lanes), even);
+        odd = hn::MulAdd(part(3), hn::LoadU(f, rgba + 3 * lanes), odd);
+    }
+    // Writes the mean; returns the sum of weights.
+    HWY_INLINE float mean(float* out) const {
+        const VF all = hn::Add(even, odd);
+#if HWY_MAX_BYTES == 64
+        const hn::FixedTag<float, 8> o;
+        const auto half = hn::Add(hn::LowerHalf(o, all), hn::UpperHalf(o, all));
+        const auto sum = hn::Add(hn::LowerHalf(q, half), hn::UpperHalf(q, half));
+#elif HWY_MAX_BYTES == 32
+        const auto sum = hn::Add(hn::LowerHalf(q, all), hn::UpperHalf(q, all));
+#else
+        const auto sum = all;
+#endif
+        const float total = hn::GetLane(hn::SumOfLanes(f, weight));
+        hn::StoreU(hn::Div(sum, hn::Set(q, total)), q, out);
+        return total;
+    }
+};
+
+// (1 - d / radius)^power at squared distance d2, 0 past the radius.
+template <int power>
+struct TentWeight {
+    VF per_radius;
+    explicit TentWeight(float radius) : per_radius(hn::Set(f, 1.0f / radius)) {}
+    HWY_INLINE VF operator()(VF d2) const {
+        const VF inside =
+            hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Sqrt(d2), per_radius, hn::Set(f, 1.0f)));
+        if constexpr (power == 1) return inside;
+        const VF square = hn::Mul(inside, inside);
+        if constexpr (power == 2) return square;
+        return hn::Mul(square, square);
+    }
+};
+
+HWY_INLINE VF squared(VF x, VF y) {
+    return hn::MulAdd(x, x, hn::Mul(y, y));
+}
+
+// Weighted mean of n samples' colours, in the order in which they come; false where all weights
+// vanish.
+inline bool write_mean(const float* rgba, const std::uint32_t* sample, const float* weight,
+                       size_t n, float* out) {
+    auto even = hn::Zero(q), odd = hn::Zero(q), sums = hn::Zero(q);
+    size_t i = 0;
+    for (; i + 1 < n; i += 2) {
+        const auto a = hn::Set(q, weight[i]), b = hn::Set(q, weight[i + 1]);
+        even = hn::MulAdd(a, hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
+        odd = hn::MulAdd(b, hn::LoadU(q, rgba + 4 * size_t(sample[i + 1])), odd);
+        sums = hn::Add(sums, hn::Add(a, b));
+    }
+    if (i < n) {
+        const auto a = hn::Set(q, weight[i]);
+        even = hn::MulAdd(a, hn::LoadU(q, rgba + 4 * size_t(sample[i])), even);
+        sums = hn::Add(sums, a);
+    }
+    hn::StoreU(hn::Div(hn::Add(even, odd), sums), q, out);
+    return hn::GetLane(sums) > 0;
+}
+
+inline void write_nearest(const float* rgba, const std::uint32_t* sample, const float* dx,
+                          const float* dy, size_t n, float* out) {
+    size_t nearest = 0;
+    float least = 1e38f;
+    for (size_t i = 0; i < n; ++i) {
+        const float distance = dx[i] * dx[i] + dy[i] * dy[i];
+        if (distance < least) {
+            least = distance;
+            nearest = i;
+        }
+    }
+    std::copy_n(rgba + 4 * size_t(sample[nearest]), 4, out);
+}
+
+}  // namespace weft::light_field::WEFT_ISA
