@@ -16,7 +16,7 @@ void collect(const Hierarchy& h, int x0, int y0, int x1, int y1, float reach, Bl
 
     constexpr size_t spare = 16;  // vectors read past the end find bounds that are nowhere
     const size_t n = block.groups = block.group.size();
-    const auto take = [&](const std::vector<float>& from, std::vector<float>& to, float filling) {
+    const auto take = [&](std::span<const float> from, std::vector<float>& to, float filling) {
         to.assign(n + spare, filling);
         for (size_t i = 0; i < n; ++i) to[i] = from[block.group[i]];
     };

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/large_array.h"
 #include "samples/lens_shape.h"
 
 namespace weft {
@@ -31,26 +32,26 @@ class Hierarchy {
     // One value a sample, sorted; the end is filled up to whole groups with samples that are nowhere
     // (W < 0). Position at lens centre and time t: (X + (t - 1/2) VX) / (W + (t - 1/2) VW), y
     // likewise; a sample is there while the divisor is above 0.
-    std::vector<float> X, Y, W;
-    std::vector<float> VX, VY, VW;     // empty where nothing moves
-    std::vector<float> rgba;           // 4 a sample: radiance, alpha
-    std::vector<std::uint32_t> order;  // index in the buffer
+    LargeArray<float> X, Y, W;
+    LargeArray<float> VX, VY, VW;     // empty where nothing moves
+    LargeArray<float> rgba;           // 4 a sample: radiance, alpha
+    LargeArray<std::uint32_t> order;  // index in the buffer
 
     // What a group's samples keep to: at (u, v, t), with d = t - 1/2 and s = slope,
     //   x in [x_low, x_high] + slope aspect u + velocity_x d,   y in [y_low, y_high] + slope v + velocity_y d.
     // The spreads say how far a member's own slope and velocity may be from the group's.
     struct Groups {
-        std::vector<float> slope, velocity_x, velocity_y;
-        std::vector<float> x_low, x_high, y_low, y_high;
-        std::vector<float> slope_spread, velocity_x_spread, velocity_y_spread;
-        std::vector<std::uint8_t> moves;  // 0: no member moves, 1: some do, 2: some in depth
+        LargeArray<float> slope, velocity_x, velocity_y;
+        LargeArray<float> x_low, x_high, y_low, y_high;
+        LargeArray<float> slope_spread, velocity_x_spread, velocity_y_spread;
+        LargeArray<std::uint8_t> moves;  // 0: no member moves, 1: some do, 2: some in depth
         size_t size() const { return slope.size(); }
     } groups;
 
     // Rectangles over all lens positions and times: level 0 of the groups, each further level of
     // `fan_out` rectangles of the one before, up to a level of at most `fan_out`.
     struct Rects {
-        std::vector<float> x_low, x_high, y_low, y_high;
+        LargeArray<float> x_low, x_high, y_low, y_high;
         size_t size() const { return x_low.size(); }
     };
     std::vector<Rects> levels;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "light-field/build_hierarchy_kernel.h"
+#include "light-field/sample_order.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -25,7 +26,7 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     s.columns = int((float(samples.width) + 2 * border) / cell) + 1;
     s.rows = int((float(samples.height) + 2 * border) / cell) + 1;
     std::vector<float> x(n), y(n);
-    std::vector<std::uint64_t> keys(n);
+    LargeArray<std::uint64_t> keys(n);
     const auto place = [&](size_t i) {
         Recentred p = recentred(samples, i);
         if (!(p.W > 0)) {  // behind the camera at half time: where it was seen
@@ -45,7 +46,7 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     s.start.assign(size_t(s.columns) * size_t(s.rows) + 1, 0);
     for (std::uint64_t key : keys) ++s.start[key + 1];
     for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
-    s.order = sorted(keys, ctx);
+    s.order = sorted(std::move(keys), ctx);
     for (auto* values : {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b}) values->resize(n + spare);
     const auto rgb = samples.rgb();
     ctx.parallel_for(

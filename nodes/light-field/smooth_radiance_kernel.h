@@ -19,6 +19,7 @@
 
 #include "runtime/context.h"
 #include "runtime/isa.h"
+#include "runtime/large_array.h"
 #include "samples/samples.h"
 
 namespace weft::light_field {
@@ -43,7 +44,7 @@ struct SampleField {
     int columns = 0, rows = 0;
     float cell = 1, x0 = 0, y0 = 0;
     std::vector<std::uint32_t> start;  // columns x rows + 1
-    std::vector<std::uint32_t> order;  // index in the buffer
+    LargeArray<std::uint32_t> order;   // index in the buffer
     std::vector<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
 
     int column_of(float at) const { return clamped((at - x0) / cell, columns); }
