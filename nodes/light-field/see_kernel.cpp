@@ -178,7 +178,7 @@ class Seeing {
         return hn::BitCast(sn, hn::IfThenElse(hn::FirstN(un, n_ - i), hn::LoadU(un, &list[i]),
                                               hn::Set(un, list[0])));
     }
-    HWY_INLINE static VF load(const std::vector<float>& from, VI samples) {
+    HWY_INLINE static VF load(const LargeArray<float>& from, VI samples) {
         return hn::GatherIndex(f, from.data(), samples);
     }
 
