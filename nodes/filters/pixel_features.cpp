@@ -26,7 +26,8 @@ struct PixelFeatures {
             .in<Samples>("samples", "any samples a pixel, constant or not; weight is honoured")
             .out<Image>("color", "R G B, each pixel's mean; 0 where a pixel has no sample")
             .out<Image>("color-variance",
-                        "R G B, of these means; of a single sample that of its 3 x 3 pixels")
+                        "R G B, of these means as if samples were independent; of a single sample "
+                        "that of its 3 x 3 pixels")
             .out<Image>("features",
                         "normal.x normal.y ..., the means of the feature channels; none where the "
                         "samples have no features")

@@ -1,7 +1,8 @@
 // What a pixel's samples say of a channel: their mean and how far it can be trusted.
 //   mean      sum w x / sum w over the pixel's samples, w their weights
 //   variance  of that mean, not of the samples: sum w^2 (x - mean)^2 / ((sum w)^2 - sum w^2), which
-//             for equal weights is the unbiased sample variance over the number of samples
+//             for equal weights is the unbiased sample variance over the number of samples. It is
+//             that of independent samples: stratified ones have less
 // A pixel with a single sample has no deviation of its own: it is given that of the samples of its
 // 3 x 3 pixels about their common mean. Where these are one sample too, nothing is known: 0.
 // A sample whose values of a channel are not all finite, or whose weight is not a positive number,

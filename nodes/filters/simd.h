@@ -15,8 +15,10 @@ inline constexpr size_t lanes = hn::MaxLanes(F());
 
 inline constexpr size_t at_once = 4;  // vectors: as many sums as hide a multiply-add's latency
 
-inline size_t whole_vectors(size_t count) {
-    return (count + lanes - 1) / lanes * lanes;
+// `count` rounded up to whole vectors, or so many of them.
+inline size_t whole_vectors(size_t count, size_t vectors = 1) {
+    const size_t step = vectors * lanes;
+    return (count + step - 1) / step * step;
 }
 
 // e^-x for x in [0, 87], to 2e-7 of itself: 2^n e^r with |r| <= ln 2 / 2, e^r by its Taylor series.

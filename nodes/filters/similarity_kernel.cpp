@@ -111,6 +111,7 @@ class Patches {
         scratch.known_box.assign(pitch_ + lanes, 0.0f);
     }
 
+    // n: pixels of a row, in whole vectors.
     void start(std::span<const Tap> taps, size_t n) {
         taps_ = taps;
         n_ = n;
@@ -240,20 +241,19 @@ class Sums {
   public:
     Sums(const Similarity& by, Block block, std::vector<float>& values)
         : by_(by), block_(block), values_(values), planes_(size_t(output_planes(by))) {
-        n_ = (size_t(block.x1 - block.x0) + at_once * lanes - 1) / (at_once * lanes) *
-             (at_once * lanes);
-        values.assign(n_ * planes_ * size_t(block.y1 - block.y0), 0.0f);
+        pitch_ = whole_vectors(size_t(block.x1 - block.x0), at_once);
+        values.assign(pitch_ * planes_ * size_t(block.y1 - block.y0), 0.0f);
     }
-    size_t n() const { return n_; }  // pixels of a row, rounded up
+    size_t pitch() const { return pitch_; }  // from row to row of weights
 
     void add(int y, std::span<const Tap> taps, const float* weights) {
         const auto channels = size_t(by_.channels);
-        add_taps<Sum::weights>(by_, taps, block_, y, 0, weights, n_, plane(y, planes_ - 1));
+        add_taps<Sum::weights>(by_, taps, block_, y, 0, weights, pitch_, plane(y, planes_ - 1));
         for (size_t c = 0; c < channels; ++c)
-            add_taps<Sum::values>(by_, taps, block_, y, int(c), weights, n_, plane(y, c));
+            add_taps<Sum::values>(by_, taps, block_, y, int(c), weights, pitch_, plane(y, c));
         for (size_t c = channels; c < planes_ - 1; ++c)
             add_taps<Sum::variances>(by_, taps, block_, y, by_.variances + int(c - channels),
-                                     weights, n_, plane(y, c));
+                                     weights, pitch_, plane(y, c));
     }
 
     void put(Planes& out) {
@@ -275,12 +275,12 @@ class Sums {
 
   private:
     float* plane(int y, size_t which) {
-        return &values_[(size_t(y - block_.y0) * planes_ + which) * n_];
+        return &values_[(size_t(y - block_.y0) * planes_ + which) * pitch_];
     }
     const Similarity& by_;
     Block block_;
     std::vector<float>& values_;
-    size_t planes_, n_;
+    size_t planes_, pitch_;
 };
 
 }  // namespace
@@ -289,14 +289,14 @@ void similar_means(const Similarity& by, Block block, SimilarityScratch& scratch
     const Planes& planes = by.planes;
     const bool colors = by.color.components > 0, patched = colors && by.patch > 0;
     Sums sums(by, block, scratch.sums);
-    const size_t n = sums.n();
+    const size_t pitch = sums.pitch(), n = whole_vectors(size_t(block.x1 - block.x0));
     Patches patches(by, block, scratch);
     std::vector<Tap>& taps = scratch.taps;
 
     const auto weights_of_row = [&](int y) {
         for (size_t t = 0; t < taps.size(); ++t) {
             const Row at{block.x0, y, taps[t].dx, taps[t].dy};
-            float* exponents = &scratch.weights[t * n];
+            float* exponents = &scratch.weights[t * pitch];
             if (patched) {
                 patches.row(y, t, exponents);
             } else if (colors) {
@@ -324,7 +324,7 @@ void similar_means(const Similarity& by, Block block, SimilarityScratch& scratch
         }
         const int y0 = std::max(block.y0, -dy), y1 = std::min(block.y1, planes.height - dy);
         if (y0 >= y1 || taps.empty()) continue;
-        scratch.weights.resize(taps.size() * n);
+        scratch.weights.resize(taps.size() * pitch);
         if (!patched) {
             for (int y = y0; y < y1; ++y) weights_of_row(y);
             continue;
