@@ -183,6 +183,7 @@ struct RenderImage : RenderNode {
     static constexpr int rows_in_piece = 16;
     bool divides() const { return relative_error == 0 && seconds == 0; }
     size_t pieces(const Inputs&) const {
+        prepared->release();  // another run may have another scene, at the same place
         return size_t(height + rows_in_piece - 1) / rows_in_piece;
     }
     void piece(const Inputs& in, size_t index, ByteWriter& to, Context& ctx) const {

@@ -58,6 +58,7 @@ struct RenderSamples : RenderSamplesNode {
     // Shards: bands of rows.
     static constexpr int rows_in_piece = 16;
     size_t pieces(const Inputs& in) const {
+        prepared->release();  // another run may have another scene, at the same place
         const Image* counts = in.find<Image>("counts");
         return size_t((counts ? counts->height() : height) + rows_in_piece - 1) / rows_in_piece;
     }
