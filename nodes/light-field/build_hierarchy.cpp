@@ -21,7 +21,7 @@ struct HierarchyNode {
                    {.min = 0.05,
                     .max = 20,
                     .about = "of the radius R of the gaps expected between samples, 2.2 / sqrt(spp "
-                             "+ 0.2) px"});
+                             "+ 0.2) px; pixel by pixel where spp varies"});
     }
     static void declare(Ports<HierarchyNode>& node) {
         declare_with(node, arrangement == light_field::Arrangement::layers
@@ -47,8 +47,8 @@ struct HierarchyNode {
 using BuildHierarchy = HierarchyNode<light_field::Arrangement::layers>;
 using GridHierarchy = HierarchyNode<light_field::Arrangement::cells>;
 
-WEFT_NODE(BuildHierarchy, "build-hierarchy", 1)
-WEFT_NODE(GridHierarchy, "grid-hierarchy", 1)
+WEFT_NODE(BuildHierarchy, "build-hierarchy", 2)
+WEFT_NODE(GridHierarchy, "grid-hierarchy", 2)
 
 }  // namespace
 }  // namespace weft

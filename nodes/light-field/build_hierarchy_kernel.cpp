@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "light-field/local_radius.h"
 #include "light-field/sample_order.h"
 
 namespace weft::light_field {
@@ -264,6 +265,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.height = samples.height;
     h.mean_spp = samples.mean_spp();
     h.radius = float(radius_scale) * dispersion_radius(samples.mean_spp());
+    h.radii = local_radii(samples, radius_scale, ctx);
     if (samples.has_lens()) h.lens = *samples.lens;
     h.shutter = shutter_of(samples.meta);
     h.moving = samples.has_motion();

@@ -79,7 +79,7 @@ void cover_finally(const Candidates& c, const Surfaces& s, float radius, Coverag
             together += scratch.sizes[at];
             const bool last = at + 1 == surfaces;
             if (!last && together < small) continue;
-            if (last || surrounds(c, s, l, first, at, radius, scratch)) {
+            if (last || surrounds(c, s, l, first, at, radius * c.ratio_of(l), scratch)) {
                 out.first[l] = first;
                 out.last[l] = at;
                 out.decision[l] = last ? Decision::last : Decision::covered;

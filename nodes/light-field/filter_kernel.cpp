@@ -69,7 +69,7 @@ void filter_all(const Candidates& c, const Surfaces& s, const Visibility& visibi
             dy = scratch.dy.data();
             sample = scratch.sample.data();
         }
-        weigh<power>(dx, dy, seen, tent, scratch.weight.data());
+        weigh<power>(dx, dy, seen, {tent.radius * c.ratio_of(l), tent.exponent}, scratch.weight.data());
         if (!write_mean(rgba, sample, scratch.weight.data(), seen, to)) write_nearest(rgba, sample, dx, dy, seen, to);
         out.valid[l] = 1;
     }

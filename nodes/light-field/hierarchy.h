@@ -24,21 +24,24 @@ class Hierarchy {
     int width = 0, height = 0;
     double mean_spp = 0;
     float radius = 2;  // px: the largest empty disk between samples that may be expected; "R" below
-    Lens lens;         // slopes; C0 = C1 = 0 for a pinhole buffer
+    std::vector<float>
+        radii;             // px: R of each pixel, where the density of samples varies; else empty
+    Lens lens;             // slopes; C0 = C1 = 0 for a pinhole buffer
     ShutterCurve shutter;  // how far open, over t
     bool moving = false;
     std::string color_space = "lin_rec709";
 
-    // One value a sample, sorted; the end is filled up to whole groups with samples that are nowhere
-    // (W < 0). Position at lens centre and time t: (X + (t - 1/2) VX) / (W + (t - 1/2) VW), y
-    // likewise; a sample is there while the divisor is above 0.
+    // One value a sample, sorted; the end is filled up to whole groups with samples that are
+    // nowhere (W < 0). Position at lens centre and time t: (X + (t - 1/2) VX) / (W + (t - 1/2) VW),
+    // y likewise; a sample is there while the divisor is above 0.
     LargeArray<float> X, Y, W;
     LargeArray<float> VX, VY, VW;     // empty where nothing moves
     LargeArray<float> rgba;           // 4 a sample: radiance, alpha
     LargeArray<std::uint32_t> order;  // index in the buffer
 
     // What a group's samples keep to: at (u, v, t), with d = t - 1/2 and s = slope,
-    //   x in [x_low, x_high] + slope aspect u + velocity_x d,   y in [y_low, y_high] + slope v + velocity_y d.
+    //   x in [x_low, x_high] + slope aspect u + velocity_x d,   y in [y_low, y_high] + slope v +
+    //   velocity_y d.
     // The spreads say how far a member's own slope and velocity may be from the group's.
     struct Groups {
         LargeArray<float> slope, velocity_x, velocity_y;
@@ -58,6 +61,11 @@ class Hierarchy {
 
     size_t size() const { return order.size(); }  // samples, without the filling
     size_t bytes() const;
+
+    // R at a place in the picture, and the largest in pixels [x0, x1) x [y0, y1); beyond the border
+    // that of the nearest pixel.
+    float radius_at(float x, float y) const;
+    float largest_radius(int x0, int y0, int x1, int y1) const;
 
     // Appends, in ascending order, the groups that may be seen within [x0, x1] x [y0, y1] at any
     // (u, v, t).

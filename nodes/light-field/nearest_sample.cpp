@@ -43,7 +43,7 @@ struct NearestSample {
             one.pixels = at.pixels.subspan(l, 1);
             c.pixels = one.pixels;
             for (float radius = 2; !colors.valid[l]; radius *= 2) {
-                const float within = std::min(radius, reach) * h.radius;
+                const float within = std::min(radius, reach) * h.radius_at(at.x[l], at.y[l]);
                 // By pixels, so that a neighbour's search finds the same groups ready.
                 const int x = int(std::floor(at.x[l])), y = int(std::floor(at.y[l]));
                 if (!scratch.block.covers(h, x, y, x + 1, y + 1, within)) collect(h, x, y, x + 1, y + 1, within, scratch.block);

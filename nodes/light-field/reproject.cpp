@@ -2,6 +2,7 @@
 // Source: Lehtinen et al. 2011, Sec. 3.1 and 3.2.  Departure: where a batch shares (u, v, t) its samples are
 // projected once and sorted into a grid, instead of searched for location by location.
 #include "light-field/kernels.h"
+#include "light-field/local_radius.h"
 #include "light-field/projected.h"
 #include "runtime/node.h"
 
@@ -29,16 +30,18 @@ struct Reproject {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
         Candidates& found = out.get<Candidates>("candidates");
-        const float radius = radius_scale * h.radius;
+        const float largest = h.largest_radius(at.x0, at.y0, at.x1, at.y1), radius = radius_scale * largest;
         Projection* made = out.wanted("projection") ? &out.get<Projection>("projection") : nullptr;
         if (!at.shared) {
             collect_for(h, at, radius, scratch.block);
             WEFT_PICK(gather_each)(h, scratch.block, at, radius, found);
+            narrow(radius_scale, found);
             if (made) made->hierarchy = nullptr;
             return;
         }
         const Projection* known = in.find<Projection>("projection");
-        WEFT_PICK(gather)(projected(h, at, radius, std::max(reach, radius_scale) * h.radius, false, known, made, scratch), at, radius, found);
+        WEFT_PICK(gather)(projected(h, at, radius, std::max(reach, radius_scale) * largest, false, known, made, scratch), at, radius, found);
+        narrow(radius_scale, found);
     }
 };
 

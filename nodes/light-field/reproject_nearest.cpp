@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "light-field/kernels.h"
+#include "light-field/local_radius.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -31,11 +32,12 @@ struct ReprojectNearest {
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
-        const float radius = radius_scale * h.radius;
+        const float radius = radius_scale * h.largest_radius(at.x0, at.y0, at.x1, at.y1);
         if (!scratch.block.covers(h, at.x0, at.y0, at.x1, at.y1, radius)) collect(h, at.x0, at.y0, at.x1, at.y1, radius, scratch.block);
         Candidates& all = scratch.all;
         all.pixels = at.pixels;
         WEFT_PICK(gather_each)(h, scratch.block, at, radius, all);
+        narrow(radius_scale, all);
         if (out.wanted("projection")) out.get<Projection>("projection").hierarchy = nullptr;
         Candidates& c = out.get<Candidates>("candidates");
         c.hierarchy = &h;
@@ -43,6 +45,7 @@ struct ReprojectNearest {
         c.shared = all.shared;
         c.x = all.x, c.y = all.y, c.u = all.u, c.v = all.v, c.t = all.t;
         c.spread = all.spread;
+        c.ratio = all.ratio;
         c.slope_step = all.slope_step;
         c.velocity_step = all.velocity_step;
         c.offset.assign(1, 0);

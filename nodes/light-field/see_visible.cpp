@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "light-field/kernels.h"
+#include "light-field/local_radius.h"
 #include "light-field/projected.h"
 #include "light-field/selection.h"
 #include "runtime/fusion.h"
@@ -56,7 +57,7 @@ struct SeeVisible {
         ProjectedScratch projected;
         SeeScratch see;
         Colors unread;
-        // For batches without a common (u, v, t).
+        // For batches that go stage by stage.
         Candidates candidates;
         Surfaces surfaces;
         ClusterScratch cluster;
@@ -66,42 +67,47 @@ struct SeeVisible {
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
-        const float radius = search * h.radius;
+        const float largest = h.largest_radius(at.x0, at.y0, at.x1, at.y1),
+                    radius = search * largest;
         const SeeSettings set{
             radius, h.radius, {box, tolerance}, {tent * h.radius, exponent}, pass == Pass::final};
         Projection* made = out.wanted("projection") ? &out.get<Projection>("projection") : nullptr;
         Colors& colors = out.wanted("colors") ? out.get<Colors>("colors") : scratch.unread;
-        if (at.shared) {
-            const Projection& p =
-                projected(h, at, radius, std::max(reach, search) * h.radius, !set.final,
-                          in.find<Projection>("projection"), made, scratch.projected);
-            WEFT_PICK(see)(p, at, set, scratch.see, colors);
-        } else {
-            if (made) made->hierarchy = nullptr;
-            one_by_one(h, at, set, scratch, colors);
-        }
+        const Projection* p = nullptr;
+        if (at.shared)
+            p = &projected(h, at, radius, std::max(reach, search) * largest, !set.final,
+                           in.find<Projection>("projection"), made, scratch.projected);
+        else if (made)
+            made->hierarchy = nullptr;
+        if (p && h.radii.empty())
+            WEFT_PICK(see)(*p, at, set, scratch.see, colors);
+        else
+            one_by_one(h, p, at, set, scratch, colors);
         if (out.wanted("undecided"))
             select(at, scratch.see.visibility, Decision::undecided,
                    out.get<Locations>("undecided"));
     }
 
   private:
-    // A batch without a common (u, v, t): stage by stage.
-    void one_by_one(const Hierarchy& h, const Locations& at, const SeeSettings& set, Scratch& s,
-                    Colors& colors) const {
+    // A batch without a common (u, v, t), or with radii that vary: stage by stage.
+    void one_by_one(const Hierarchy& h, const Projection* projection, const Locations& at,
+                    const SeeSettings& set, Scratch& s, Colors& colors) const {
         for (Batch* batch :
              std::initializer_list<Batch*>{&s.candidates, &s.surfaces, &s.see.visibility}) {
             batch->pixels = at.pixels;
             batch->parents = at.parents;
         }
-        collect_for(h, at, set.radius, s.projected.block);
-        WEFT_PICK(gather_each)(h, s.projected.block, at, set.radius, s.candidates);
+        if (projection) {
+            WEFT_PICK(gather)(*projection, at, set.radius, s.candidates);
+        } else {
+            collect_for(h, at, set.radius, s.projected.block);
+            WEFT_PICK(gather_each)(h, s.projected.block, at, set.radius, s.candidates);
+        }
+        narrow(search, s.candidates);
         WEFT_PICK(cluster)(s.candidates, set.test, s.cluster, s.surfaces);
-        if (set.final)
-            WEFT_PICK(cover_finally)
-            (s.candidates, s.surfaces, set.cover_radius, s.see.coverage, s.see.visibility);
-        else
-            WEFT_PICK(cover)(s.candidates, s.surfaces, s.see.visibility);
+        if (set.final) WEFT_PICK(cover_finally)
+        (s.candidates, s.surfaces, set.cover_radius, s.see.coverage, s.see.visibility);
+        else WEFT_PICK(cover)(s.candidates, s.surfaces, s.see.visibility);
         WEFT_PICK(filter)(s.candidates, s.surfaces, s.see.visibility, set.tent, s.filter, colors);
         colors.candidates = s.candidates.offset[at.size()];
     }

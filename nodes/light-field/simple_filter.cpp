@@ -19,7 +19,7 @@ void declare_filter(Ports<Node>& node, const char* about) {
         .template out<Colors>("colors", "radiance of each location that is decided");
 }
 
-// weight(d^2, least d^2 of the location's samples).
+// weight(d^2, least d^2 of the location's samples, its R over the hierarchy's).
 template <class Weight>
 void filter_each(const Inputs& in, Outputs& out, Weight&& weight) {
     const Candidates& c = in.get<Candidates>("candidates");
@@ -40,7 +40,7 @@ void filter_each(const Inputs& in, Outputs& out, Weight&& weight) {
         float sum[5] = {};
         for (size_t i = c.offset[l]; i < c.offset[l + 1]; ++i) {
             if (!seen(i)) continue;
-            const float w = weight(distance(i), least);
+            const float w = weight(distance(i), least, c.ratio_of(l));
             for (size_t k = 0; k < 4; ++k) sum[k] += w * h.rgba[4 * size_t(c.sample[i]) + k];
             sum[4] += w;
         }
@@ -60,14 +60,14 @@ struct GaussianVisible {
     void batch(const Inputs& in, Outputs& out) const {
         const float width = sigma * in.get<Candidates>("candidates").hierarchy->radius, k = -0.5f / (width * width);
         // Relative to the nearest sample, so that one at least counts however far it is.
-        filter_each(in, out, [&](float d2, float least) { return std::exp(k * (d2 - least)); });
+        filter_each(in, out, [&](float d2, float least, float ratio) { return std::exp(k * (d2 - least) / (ratio * ratio)); });
     }
 };
 
 struct NearestVisible {
     static void declare(Ports<NearestVisible>& node) { declare_filter(node, "takes the nearest sample of the surface seen"); }
     void batch(const Inputs& in, Outputs& out) const {
-        filter_each(in, out, [](float d2, float least) { return d2 <= least ? 1.0f : 0.0f; });
+        filter_each(in, out, [](float d2, float least, float) { return d2 <= least ? 1.0f : 0.0f; });
     }
 };
 

@@ -77,6 +77,8 @@ struct Candidates : Batch {
     // candidates: no two differ by more than (byte + 1) x step. 0xffffffff: not known.
     std::vector<std::uint32_t> spread;
     float slope_step = 0, velocity_step = 0;
+    // Of each location, its R over the hierarchy's; empty where R is one everywhere (local_radius.h).
+    std::vector<float> ratio;
     // Of the locations.
     std::vector<float> x, y, u, v, t;
     bool shared = false;
@@ -85,6 +87,7 @@ struct Candidates : Batch {
     float v_of(size_t l) const { return v[shared ? 0 : l]; }
     float t_of(size_t l) const { return t[shared ? 0 : l]; }
     size_t of(size_t l) const { return offset[l + 1] - offset[l]; }
+    float ratio_of(size_t l) const { return ratio.empty() ? 1.0f : ratio[l]; }
     // Of candidate k of location l.
     Trajectory trajectory(size_t l, size_t k) const;
     void count(Items& items) const {
