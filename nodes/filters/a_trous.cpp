@@ -71,7 +71,7 @@ struct ATrous : LayerChoice {
             by.taps = spline(step);
             by.color.k2 = k_color * k_color * tight * tight;
             by.color.e = guides.variance ? 1e-20f : 2 * sigma_color * sigma_color * tight * tight;
-            made = means(by, ctx, pass, passes);
+            made = means(by, ctx, pass, passes, std::move(made));
             take_over(made, by, ctx);
             for (kernel::Term& feature : by.features)
                 feature.slope_gain *= 4;  // taps are twice as far

@@ -310,10 +310,13 @@ void add_features(const Guides& guides, const LayerChoice& choice, Similarity& b
     }
 }
 
-Planes means(const Similarity& by, Context& ctx, double done, double of) {
+Planes means(const Similarity& by, Context& ctx, double done, double of, Planes room) {
     const Planes& planes = by.planes;
     constexpr int block_width = 128, block_height = 32;
-    Planes out(planes.width, planes.height, kernel::output_planes(by), 0);
+    Planes out = std::move(room);
+    if (out.width != planes.width || out.height != planes.height ||
+        out.count != kernel::output_planes(by))
+        out = Planes(planes.width, planes.height, kernel::output_planes(by), 0);
     const int across = (planes.width + block_width - 1) / block_width,
               down = (planes.height + block_height - 1) / block_height;
     std::atomic<size_t> blocks = 0;

@@ -69,8 +69,9 @@ void add_features(const Guides& guides, const LayerChoice& choice, kernel::Simil
 // Window of (2 radius + 1)^2 taps; Gaussian weights of this deviation, or all 1 (0).
 std::vector<kernel::Tap> window(int radius, float sigma = 0);
 
-// Runs the kernel over the picture.
-kernel::Planes means(const kernel::Similarity& by, Context& ctx, double done = 0, double of = 1);
+// Runs the kernel over the picture: its output planes, in the memory of `room` where that fits.
+kernel::Planes means(const kernel::Similarity& by, Context& ctx, double done = 0, double of = 1,
+                     kernel::Planes room = {});
 // The filtered picture; tells of holes that nothing was near enough to fill.
 Image picture_of(const kernel::Planes& means, const Guides& guides, const kernel::Similarity& by,
                  Context& ctx);
