@@ -144,7 +144,7 @@ TEST_P(Alpha, IsThePartThatIsCovered) {
         squares += std::pow(double(alpha) - double(exact[i]), 2);
         sum += double(alpha);
         expected += double(exact[i]);
-        if (all_alike(scene, exact, i, 5)) {
+        if (all_alike(scene, exact, i, 7)) {
             EXPECT_NEAR(alpha, exact[i], 1e-5) << "pixel " << i;
         }
     }
