@@ -1,6 +1,7 @@
 #include "light-field/build_hierarchy_kernel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,98 +14,43 @@ float dispersion_radius(double samples_per_pixel) {
     return float(2.2 / std::sqrt(std::max(samples_per_pixel, 0.0) + 0.2));
 }
 
-Recentring::Recentring(const Samples& samples)
-    : xy(samples.xy()),
-      uv(samples.uv()),
-      t(samples.t()),
-      z(samples.z()),
-      motion(samples.motion()),
-      lens(samples.lens.value_or(Lens{})) {
-    if (!samples.has_motion()) motion = {};
-}
-
-Recentred Recentring::operator()(size_t i) const {
-    const bool far = std::isinf(z[i]);
-    const float c = far ? lens.c1 : lens.c0 / z[i] + lens.c1;
-    const float px = xy[2 * i] - (uv.empty() ? 0.0f : c * lens.aspect * uv[2 * i]);
-    const float py = xy[2 * i + 1] - (uv.empty() ? 0.0f : c * uv[2 * i + 1]);
-    const float w = far ? 1.0f : z[i];
-    Recentred r{px * w, py * w, w, 0, 0, 0};
-    if (!motion.empty()) {
-        r.VX = motion[3 * i];
-        r.VY = motion[3 * i + 1];
-        r.VW = motion[3 * i + 2];
-        const float d = 0.5f - t[i];
-        r.X += d * r.VX;
-        r.Y += d * r.VY;
-        r.W += d * r.VW;
-    }
-    if (far)
-        for (float* value : {&r.X, &r.Y, &r.W, &r.VX, &r.VY, &r.VW}) *value *= far_depth;
+Recentred recentred(const Samples& samples, size_t i) {
+    Recentred r{};
+    WEFT_PICK(recentre)
+    (places_of(samples).from(i), samples.lens.value_or(Lens{}), 1,
+     {&r.X, &r.Y, &r.W, &r.VX, &r.VY, &r.VW});
     return r;
 }
 
-Recentred recentred(const Samples& samples, size_t i) {
-    return Recentring(samples)(i);
+Places places_of(const Samples& samples) {
+    const auto start = [](std::span<const float> values) {
+        return values.empty() ? nullptr : values.data();
+    };
+    Places from{start(samples.xy()), start(samples.z()), start(samples.uv()), nullptr, nullptr};
+    if (samples.has_motion()) {
+        from.t = samples.t().data();
+        from.motion = samples.motion().data();
+    }
+    return from;
 }
 
 namespace {
 
-// The bits of x, each followed by a zero.
-std::uint64_t spread_bits(std::uint64_t x) {
-    x &= 0xffffffff;
-    x = (x | x << 16) & 0x0000ffff0000ffffull;
-    x = (x | x << 8) & 0x00ff00ff00ff00ffull;
-    x = (x | x << 4) & 0x0f0f0f0f0f0f0f0full;
-    x = (x | x << 2) & 0x3333333333333333ull;
-    return (x | x << 1) & 0x5555555555555555ull;
-}
-
-// The whole part of a value, within [0, most].
-std::uint64_t clamped(double value, int most) {
-    return value > 0 ? std::uint64_t(int(std::min(value, double(most)))) : 0;
-}
-
-// Where each sample goes: block of the picture, then slope and velocity, then place in the block.
-class Keys {
-  public:
-    Keys(const Hierarchy& hierarchy, Arrangement by) : h(hierarchy), arrangement(by) {
-        const double wanted = arrangement == Arrangement::layers ? 48 : 16;
-        cell = std::sqrt(wanted / std::max(h.mean_spp, 1e-3));
-        cell = std::max(cell, (std::max(h.width, h.height) + 2 * border()) / 32000.0);
-        columns = int((h.width + 2 * border()) / cell) + 1;
-    }
-
-    std::uint64_t operator()(const Recentred& r) const {
-        const bool there = r.W > 0;
-        const double w = there ? r.W : 1.0;
-        const double px = there ? r.X / w : 0.5 * h.width, py = there ? r.Y / w : 0.5 * h.height;
-        const double x = (px + border()) / cell, y = (py + border()) / cell;
-        const auto column = clamped(x, columns), row = clamped(y, 32767);
-        if (arrangement == Arrangement::cells) return row * std::uint64_t(columns + 1) + column;
-        const double slope = h.lens.c0 / w;
-        const double vx = h.moving ? (r.VX - px * r.VW) / w : 0.0;
-        const double vy = h.moving ? (r.VY - py * r.VW) / w : 0.0;
-        // Steps small against what separates surfaces, so that groups are tight.
-        const std::uint64_t slope_bits = clamped(128 + slope + h.lens.c1, 255);
-        const std::uint64_t vx_bits = clamped(8 + vx / 3 + 0.5, 15),
-                            vy_bits = clamped(8 + vy / 3 + 0.5, 15);
-        const std::uint64_t fine = spread_bits(clamped(8 * (x - double(column)), 7)) |
-                                   spread_bits(clamped(8 * (y - double(row)), 7)) << 1;
-        const std::uint64_t block = spread_bits(column) | spread_bits(row) << 1;
-        return (((block << 8 | slope_bits) << 4 | vx_bits) << 4 | vy_bits) << 6 | fine;
-    }
-
-  private:
+KeyGrid key_grid(const Hierarchy& h, Arrangement arrangement) {
+    KeyGrid grid;
+    grid.layers = arrangement == Arrangement::layers;
     // Samples may lie outside the picture by what lens and motion move them; beyond this they share
     // blocks.
-    double border() const { return 0.25 * std::max(h.width, h.height); }
-
-    const Hierarchy& h;
-    Arrangement arrangement;
-    double cell = 1;
-    int columns = 1;
-};
+    grid.border = 0.25 * std::max(h.width, h.height);
+    grid.cell = std::sqrt((grid.layers ? 48 : 16) / std::max(h.mean_spp, 1e-3));
+    grid.cell = std::max(grid.cell, (std::max(h.width, h.height) + 2 * grid.border) / 32000.0);
+    grid.columns = std::floor((h.width + 2 * grid.border) / grid.cell) + 1;
+    grid.middle_x = 0.5 * h.width;
+    grid.middle_y = 0.5 * h.height;
+    grid.c0 = h.lens.c0;
+    grid.c1 = h.lens.c1;
+    return grid;
+}
 
 }  // namespace
 
@@ -225,14 +171,48 @@ void allocate(Hierarchy& h) {
     h.rgba.resize(4 * n);
 }
 
-void place(Hierarchy& h, size_t i, const Recentred& r) {
-    h.X[i] = r.X;
-    h.Y[i] = r.Y;
-    h.W[i] = r.W;
-    if (!h.moving) return;
-    h.VX[i] = r.VX;
-    h.VY[i] = r.VY;
-    h.VW[i] = r.VW;
+// Samples taken at once.
+constexpr size_t chunk = 256;
+
+// The channels of samples in the order of the hierarchy.
+struct Fetched {
+    std::array<float, 2 * chunk> xy, uv;
+    std::array<float, chunk> z, t;
+    std::array<float, 3 * chunk> motion;
+
+    void fetch(const Places& from, const LargeArray<std::uint32_t>& order, size_t begin,
+               size_t end) {
+        for (size_t i = begin, k = 0; i < end; ++i, ++k) {
+            const size_t j = order[i];
+            z[k] = from.z[j];
+            copy<2>(from.xy, j, &xy[2 * k]);
+            if (from.uv) copy<2>(from.uv, j, &uv[2 * k]);
+            if (!from.motion) continue;
+            t[k] = from.t[j];
+            copy<3>(from.motion, j, &motion[3 * k]);
+        }
+    }
+    template <size_t n>
+    static void copy(const float* from, size_t record, float* to) {
+        for (size_t c = 0; c < n; ++c) to[c] = from[n * record + c];
+    }
+    // As places, of the channels that `of` has.
+    Places places(const Places& of) const {
+        return {xy.data(), z.data(), of.uv ? uv.data() : nullptr, of.motion ? t.data() : nullptr,
+                of.motion ? motion.data() : nullptr};
+    }
+};
+
+Paths paths_of(Hierarchy& h, size_t begin) {
+    Paths to{&h.X[begin], &h.Y[begin], &h.W[begin], nullptr, nullptr, nullptr};
+    if (h.moving) to.VX = &h.VX[begin], to.VY = &h.VY[begin], to.VW = &h.VW[begin];
+    return to;
+}
+
+void place_nowhere(Hierarchy& h, size_t i) {
+    h.X[i] = h.Y[i] = 0;
+    h.W[i] = -1;
+    if (h.moving) h.VX[i] = h.VY[i] = h.VW[i] = 0;
 }
 
 void build_levels(Hierarchy& h) {
@@ -271,37 +251,42 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.moving = samples.has_motion();
     h.color_space = samples.color_space;
 
-    const Recentring recentred(samples);
+    const Places places = places_of(samples);
+    const KeyGrid grid = key_grid(h, arrangement);
     LargeArray<std::uint64_t> keys(n);
-    const Keys key_of(h, arrangement);
-    ctx.parallel_for(
-        n, [&](size_t i) { keys[i] = key_of(recentred(i)); }, 4096);
+    ctx.parallel(n, 65536, [&](size_t begin, size_t end) {
+        std::array<std::array<float, chunk>, 6> path;
+        const Paths to{path[0].data(), path[1].data(),
+                       path[2].data(), h.moving ? path[3].data() : nullptr,
+                       path[4].data(), path[5].data()};
+        for (size_t i = begin; i < end; i += chunk) {
+            const size_t count = std::min(chunk, end - i);
+            WEFT_PICK(recentre)(places.from(i), h.lens, count, to);
+            WEFT_PICK(sort_keys)(to, grid, count, &keys[i]);
+        }
+    });
     h.order = sorted(std::move(keys), ctx);
     allocate(h);
     const auto rgb = samples.rgb(), alpha = samples.values("alpha");
-    const size_t groups = h.groups.size();
-    constexpr size_t ahead = 48;
     // Each sample is fetched once, and its group bounded while it is at hand.
-    ctx.parallel_for(
-        groups,
-        [&](size_t g) {
+    constexpr size_t groups = chunk / Hierarchy::group_size;
+    ctx.parallel(h.groups.size(), groups * 16, [&](size_t first, size_t last) {
+        Fetched fetched;
+        for (size_t g = first; g < last; g += groups) {
             const size_t begin = g * Hierarchy::group_size,
-                         end = std::min(begin + Hierarchy::group_size, n);
+                         end = std::min({begin + chunk, last * Hierarchy::group_size, n});
+            fetched.fetch(places, h.order, begin, end);
+            WEFT_PICK(recentre)(fetched.places(places), h.lens, end - begin, paths_of(h, begin));
             for (size_t i = begin; i < end; ++i) {
-                if (const size_t later = i + ahead; later < n) {
-                    recentred.prefetch(h.order[later]);
-                    __builtin_prefetch(&rgb[3 * size_t(h.order[later])]);
-                }
                 const size_t from = h.order[i];
-                place(h, i, recentred(from));
                 for (size_t c = 0; c < 3; ++c) h.rgba[4 * i + c] = rgb[3 * from + c];
                 h.rgba[4 * i + 3] = alpha.empty() ? 1.0f : alpha[from];
             }
-            for (size_t i = end; i < begin + Hierarchy::group_size; ++i)
-                place(h, i, {0, 0, -1, 0, 0, 0});
-            bound_group(h, g);
-        },
-        256);
+            for (size_t i = end; i % Hierarchy::group_size; ++i) place_nowhere(h, i);
+            for (size_t bounded = g; bounded < std::min(g + groups, last); ++bounded)
+                bound_group(h, bounded);
+        }
+    });
     build_levels(h);
     return h;
 }

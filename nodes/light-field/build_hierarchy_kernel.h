@@ -7,6 +7,7 @@
 
 #include "light-field/hierarchy.h"
 #include "runtime/context.h"
+#include "runtime/isa.h"
 
 namespace weft::light_field {
 
@@ -22,25 +23,40 @@ struct Recentred {
     float X, Y, W, VX, VY, VW;
 };
 // Of sample i of a buffer with xy and z. A sample at infinity becomes a point far_depth away.
-class Recentring {
-  public:
-    explicit Recentring(const Samples& samples);
-    Recentred operator()(size_t i) const;
-    // Has the sample fetched, for soon.
-    void prefetch(size_t i) const {
-        __builtin_prefetch(&xy[2 * i]);
-        __builtin_prefetch(&z[i]);
-        if (!uv.empty()) __builtin_prefetch(&uv[2 * i]);
-        if (motion.empty()) return;
-        __builtin_prefetch(&motion[3 * i]);
-        __builtin_prefetch(&t[i]);
-    }
-
-  private:
-    std::span<const float> xy, uv, t, z, motion;
-    Lens lens;
-};
 Recentred recentred(const Samples& samples, size_t i);
+
+// The channels that say where samples are; null where a buffer has none, t and motion together.
+struct Places {
+    const float *xy = nullptr, *z = nullptr, *uv = nullptr, *t = nullptr, *motion = nullptr;
+    Places from(size_t i) const {
+        return {xy + 2 * i, z + i, uv ? uv + 2 * i : nullptr, t ? t + i : nullptr,
+                motion ? motion + 3 * i : nullptr};
+    }
+};
+Places places_of(const Samples& samples);
+
+// Where samples go at lens centre; VX null where nothing moves.
+struct Paths {
+    float *X = nullptr, *Y = nullptr, *W = nullptr, *VX = nullptr, *VY = nullptr, *VW = nullptr;
+};
+
+// How samples are put in order (Arrangement), in cells that are `cell` px wide and start `border`
+// px outside.
+struct KeyGrid {
+    bool layers = true;
+    double border = 0, cell = 1, columns = 1, rows = 32767;  // the last column and row
+    double middle_x = 0, middle_y = 0;  // where samples go that are behind the camera
+    double c0 = 0, c1 = 0;              // of the lens
+};
+
+#define WEFT_RECENTRING_KERNELS(isa)                                                        \
+    namespace isa {                                                                         \
+    void recentre(const Places& from, const Lens& lens, size_t n, const Paths& to);         \
+    void sort_keys(const Paths& paths, const KeyGrid& grid, size_t n, std::uint64_t* keys); \
+    }
+WEFT_RECENTRING_KERNELS(v2)
+WEFT_RECENTRING_KERNELS(v3)
+WEFT_RECENTRING_KERNELS(v4)
 
 // Whether the sample is in front of the camera during the whole shutter.
 inline bool always_there(float W, float VW) {
