@@ -14,12 +14,14 @@ float dispersion_radius(double samples_per_pixel) {
     return float(2.2 / std::sqrt(std::max(samples_per_pixel, 0.0) + 0.2));
 }
 
-Recentred recentred(const Samples& samples, size_t i) {
+Recentred recentred(const Places& places, const Lens& lens, size_t i) {
     Recentred r{};
-    WEFT_PICK(recentre)
-    (places_of(samples).from(i), samples.lens.value_or(Lens{}), 1,
-     {&r.X, &r.Y, &r.W, &r.VX, &r.VY, &r.VW});
+    WEFT_PICK(recentre)(places.from(i), lens, 1, {&r.X, &r.Y, &r.W, &r.VX, &r.VY, &r.VW});
     return r;
+}
+
+Recentred recentred(const Samples& samples, size_t i) {
+    return recentred(places_of(samples), samples.lens.value_or(Lens{}), i);
 }
 
 Places places_of(const Samples& samples) {

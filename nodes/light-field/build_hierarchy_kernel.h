@@ -34,6 +34,8 @@ struct Places {
     }
 };
 Places places_of(const Samples& samples);
+// As above, for many samples: the channels are looked up once.
+Recentred recentred(const Places& places, const Lens& lens, size_t i);
 
 // Where samples go at lens centre; VX null where nothing moves.
 struct Paths {

@@ -78,10 +78,12 @@ void narrow(float scale, Candidates& c) {
         c.ratio[l] = own / h.radius;
         const std::uint32_t end = c.offset[l + 1];
         for (std::uint32_t i = begin; i < end; ++i) {
-            if (!(c.dx[i] * c.dx[i] + c.dy[i] * c.dy[i] < limit)) continue;
-            c.dx[to] = c.dx[i];
-            c.dy[to] = c.dy[i];
-            c.sample[to++] = c.sample[i];
+            const float x = c.dx[i], y = c.dy[i];
+            const std::uint32_t sample = c.sample[i];
+            c.dx[to] = x;
+            c.dy[to] = y;
+            c.sample[to] = sample;
+            to += x * x + y * y < limit;  // no branch: it could not be foreseen
         }
         begin = end;
         c.offset[l + 1] = to;
