@@ -4,6 +4,7 @@
 #include "light-field/kernels.h"
 #include "light-field/local_radius.h"
 #include "samples/analytic_scene.h"
+#include "samples/sample_shape.h"
 #include "tests/light-field/light_field_test.h"
 
 namespace weft {
@@ -192,6 +193,17 @@ TEST(Density, BitsDoNotDependOnTilesAndThreadsWhereItVaries) {
     const auto whole = values_of(reconstructed(s, R"("per-pixel": 12)", 64));
     EXPECT_EQ(values_of(reconstructed(s, R"("per-pixel": 12)", 32, 2)), whole);
     EXPECT_EQ(values_of(reconstructed(s, R"("per-pixel": 12)", 7, 3)), whole);
+}
+
+TEST(Density, PlansKnowHowManySamplesAnAdaptiveFileHolds) {
+    PlainContext ctx;
+    const Samples s = without(random_samples(50, 40, 4, Kind_of::moving), 15, 10, 35, 30);
+    const TestFolder folder;
+    write_npz(s, folder / "samples.npz", false, ctx);
+    const Shape shape = sample_shape(map_file(folder / "samples.npz"), {});
+    EXPECT_EQ(shape.width, 50);
+    EXPECT_NEAR(double(shape.records), double(s.size()),
+                32);  // the array's header is counted with it
 }
 
 TEST(Density, HolesAreFilled) {
