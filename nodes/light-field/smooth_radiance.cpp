@@ -149,7 +149,7 @@ struct SmoothRadiance {
     }
 };
 
-WEFT_NODE(SmoothRadiance, "smooth-radiance", 1)
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 2)
 
 }  // namespace
 }  // namespace weft

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "light-field/simd.h"
 #include "light-field/smooth_radiance_kernel.h"
@@ -54,6 +55,20 @@ struct Sums {
         r = hn::MulAdd(weight, red, r);
         g = hn::MulAdd(weight, green, g);
         b = hn::MulAdd(weight, blue, b);
+    }
+};
+
+// Least and greatest of radiances.
+struct Range {
+    VF most, least = most, greatest = hn::Neg(most);
+    HWY_INLINE void add(hn::Mask<decltype(f)> which, VF value) {
+        least = hn::IfThenElse(which, hn::Min(least, value), least);
+        greatest = hn::IfThenElse(which, hn::Max(greatest, value), greatest);
+    }
+    // Past the ends by a quarter of the least: the same at both, so that what is too dark and what is too bright cancel.
+    float limit(float value) const {
+        const float low = hn::GetLane(hn::MinOfLanes(f, least)), past = 0.25f * std::abs(low);
+        return std::clamp(value, low - past, hn::GetLane(hn::MaxOfLanes(f, greatest)) + past);
     }
 };
 
@@ -185,9 +200,17 @@ void treat(const SampleField& s, const Filtered& filtered, const std::vector<std
         if (k == 0) continue;
         float* to = &rgb[3 * size_t(s.order[at])];
         if (k == widths) {
-            to[0] = std::max(0.0f, 2 * s.r[at] - filtered.r[at]);
-            to[1] = std::max(0.0f, 2 * s.g[at] - filtered.g[at]);
-            to[2] = std::max(0.0f, 2 * s.b[at] - filtered.b[at]);
+            // Within what its neighbours are, or else one bright sample leaves dark ones around it and grows itself.
+            const VF most = hn::Set(f, std::numeric_limits<float>::max());
+            Range red{most}, green{most}, blue{most};
+            each_neighbour(s, by, by.width[0], Place(s, at), [&](size_t i, VF, auto near) HWY_ATTR {
+                red.add(near, hn::LoadU(f, &s.r[i]));
+                green.add(near, hn::LoadU(f, &s.g[i]));
+                blue.add(near, hn::LoadU(f, &s.b[i]));
+            });
+            to[0] = red.limit(2 * s.r[at] - filtered.r[at]);
+            to[1] = green.limit(2 * s.g[at] - filtered.g[at]);
+            to[2] = blue.limit(2 * s.b[at] - filtered.b[at]);
             continue;
         }
         Sums sums;

@@ -2,7 +2,9 @@
 // themselves say that it does good. For each sample and each treatment its radiance is predicted from its
 // neighbours on its surface, itself left out; the treatment whose predictions are best around it is used.
 //   as it is     what a filter of the narrowest width, a squared tent, will make of the samples later
-//   sharpened    the same of 2 y - (the samples so filtered): its blur is made up for in advance
+//   sharpened    the same of 2 y - (the samples so filtered): its blur is made up for in advance,
+//                within what the neighbours are and a quarter of the least of them, so that an outlier leaves
+//                no black samples around it and energy is kept
 //   smoothed     means under tents of greater widths
 //   neighbours   by position at lens centre and half time; of one surface where slope, velocity and
 //                depth are alike

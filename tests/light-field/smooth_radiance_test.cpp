@@ -69,6 +69,44 @@ TEST(SmoothRadiance, FineDetailWithoutNoiseIsSharpened) {
     EXPECT_GT(sharper, out.size() / 2);
 }
 
+TEST(SmoothRadiance, BrightSpotsKeepTheirTotal) {
+    // Still, sharp, 200 times as bright as what is around them; two pixels wide, 16 apart.
+    const auto spots = [](float x, float y, float) {
+        return std::hypot(std::remainder(x - 8.3f, 16.0f), std::remainder(y - 7.6f, 16.0f)) < 1 ? 20.0f : 0.1f;
+    };
+    for (int spp : {1, 2, 3, 4, 5, 6, 8}) {
+        const Samples s = plane(96, 96, spp, spots);
+        const Samples out = RunNode("smooth-radiance").in("samples", s).out<Samples>("samples");
+        double before = 0, after = 0;
+        for (size_t i = 0; i < s.size(); ++i) {
+            before += s.rgb()[3 * i];
+            after += out.rgb()[3 * i];
+        }
+        EXPECT_NEAR(after / before, 1, 0.01) << spp << " spp";
+    }
+}
+
+TEST(SmoothRadiance, AnOutlierLeavesNoBlackNeighbours) {
+    // Texture fine enough to be sharpened, with one sample in 300 that is far too bright.
+    const auto wave = [](float x, float y, float) { return 0.5f + 0.3f * std::sin(1.2f * x + 0.2f * y); };
+    const Samples s = plane(48, 48, 4, [&](float x, float y, float r) { return r < 0.0033f ? 30.0f : wave(x, y, r); });
+    const Samples out = RunNode("smooth-radiance").in("samples", s).out<Samples>("samples");
+    for (size_t i = 0; i < out.size(); ++i) {
+        // Sharpening goes past the least and the greatest around by no more than a quarter of the least.
+        EXPECT_GE(out.rgb()[3 * i], 0.75f * 0.1999f);
+        EXPECT_LE(out.rgb()[3 * i], 30 + 0.25f * 0.8001f);
+    }
+}
+
+TEST(SmoothRadiance, NoiseGoesAtAnyNumberOfSamples) {
+    for (int spp = 1; spp <= 8; ++spp) {
+        const auto flat = plane(64, 64, spp, [](float, float, float) { return 0.5f; });
+        const auto noisy = plane(64, 64, spp, [](float, float, float r) { return r; });
+        const Samples out = RunNode("smooth-radiance").in("samples", noisy).out<Samples>("samples");
+        EXPECT_LT(squared_error(out.rgb(), flat.rgb()), 0.05 * squared_error(noisy.rgb(), flat.rgb())) << spp << " spp";
+    }
+}
+
 TEST(SmoothRadiance, SamplesOfAnotherDepthDoNotMix) {
     Samples s = plane(32, 32, 2, [](float, float, float r) { return r; });
     // Every other sample lies far behind and is black.
@@ -190,7 +228,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
         }
         size_t differ = 0, compared = 0;
         for (size_t i = 0; i < n; i += 3) {
-            double least = 0, second = 1e9;
+            double best_score = 0, second = 1e9;
             size_t expected = 0;
             for (size_t k = 1; k < 5; ++k) {
                 double gain = 0, spread = 0;
@@ -202,15 +240,22 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                     spread += g * g;
                 }
                 const double score = gain + (k == 4 ? by.sharp_caution : by.caution) * std::sqrt(spread);
-                if (score < least) second = least, least = score, expected = k;
+                if (score < best_score) second = best_score, best_score = score, expected = k;
                 else second = std::min(second, score);
             }
-            if (second - least < 1e-3 || (expected == 0 && second < 1e-3)) continue;
+            if (second - best_score < 1e-3 || (expected == 0 && second < 1e-3)) continue;
             // A choice may have been taken over from a neighbour on the surface.
             differ += best[i] != expected;
             ++compared;
             if (best[i] != expected) continue;
-            const double red = expected == 0 ? radiance[0][i] : expected == 4 ? std::max(0.0, sharpened[0][i]) : mean(expected, i, radiance[0], n);
+            double least = radiance[0][i], greatest = least;
+            for (size_t j = 0; j < n; ++j) {
+                if (weight(0, i, j) == 0) continue;
+                least = std::min(least, radiance[0][j]);
+                greatest = std::max(greatest, radiance[0][j]);
+            }
+            const double past = 0.25 * least, sharp = std::clamp(sharpened[0][i], least - past, greatest + past);
+            const double red = expected == 0 ? radiance[0][i] : expected == 4 ? sharp : mean(expected, i, radiance[0], n);
             if (std::isfinite(red)) {
                 EXPECT_NEAR(rgb[3 * s.order[i]], red, 1e-4);
             }
