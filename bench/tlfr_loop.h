@@ -92,7 +92,7 @@ struct Loop {
         projected += projection.samples;
         timed(gathering, [&] { WEFT_PICK(gather)(projection, at, o.radius * h.radius, candidates_); });
         timed(clustering, [&] { WEFT_PICK(cluster)(candidates_, o.test, cluster_scratch, surfaces); });
-        timed(covering, [&] { WEFT_PICK(cover)(candidates_, surfaces, visibility); });
+        timed(covering, [&] { WEFT_PICK(cover)(candidates_, surfaces, o.radius * h.radius, visibility); });
         const Tent tent{o.filter_radius * o.radius * h.radius, o.exponent};
         timed(filtering, [&] { WEFT_PICK(filter)(candidates_, surfaces, visibility, tent, filter_scratch, colors); });
         for (size_t l = 0; l < n; ++l) slow += surfaces.count_of[l] > 1;

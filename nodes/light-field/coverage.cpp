@@ -1,8 +1,11 @@
 // coverage: which surface is seen. First pass: where there is one, or the front one surrounds the location,
 // that is it; other locations go to `undecided`, to be tried again with samples from farther around.
-// Final pass: front to back, the first surface of which a small triangle holds the location, else the last.
+// Final pass: front to back, the first surface of which a small triangle holds the location, else the last; and before
+// it those too thin for that, each by the part of the location that it covers.
 // Source: Lehtinen et al. 2011, Sec. 3.4.  Departure: the first pass asks whether the hull of all samples
-// holds the location, and not for one in each quadrant (a stricter test, and exact).
+// holds the location, and not for one in each quadrant (a stricter test, and exact). Thin surfaces (kernels.h) are
+// transparent by their samples' density, so that small things keep their light; theirs merges a surface of fewer than
+// four samples into the next.
 #include "light-field/kernels.h"
 #include "light-field/selection.h"
 #include "runtime/node.h"
@@ -30,14 +33,14 @@ struct Coverage {
         const Candidates& candidates = in.get<Candidates>("candidates");
         const Surfaces& surfaces = in.get<Surfaces>("surfaces");
         Visibility& visibility = out.wanted("visibility") ? out.get<Visibility>("visibility") : scratch.visibility;
-        if (pass == Pass::first) WEFT_PICK(cover)(candidates, surfaces, visibility);
+        if (pass == Pass::first) WEFT_PICK(cover)(candidates, surfaces, candidates.hierarchy->radius, visibility);
         else WEFT_PICK(cover_finally)(candidates, surfaces, candidates.hierarchy->radius, scratch, visibility);
         if (out.wanted("undecided"))
             select(in.get<Locations>("locations"), visibility, Decision::undecided, out.get<Locations>("undecided"));
     }
 };
 
-WEFT_NODE(Coverage, "coverage", 1)
+WEFT_NODE(Coverage, "coverage", 2)
 
 }  // namespace
 }  // namespace weft

@@ -37,41 +37,53 @@ size_t pick(const Candidates& c, const Surfaces& s, size_t l, std::uint16_t firs
     return seen;
 }
 
+void grow(FilterScratch& scratch, size_t n) {
+    if (scratch.weight.size() >= n) return;
+    scratch.dx.resize(2 * n);
+    scratch.dy.resize(2 * n);
+    scratch.weight.resize(2 * n);
+    scratch.sample.resize(2 * n);
+}
+
+// The mean of what location l sees of surfaces [first, last]; false where there is nothing.
+template <int power>
+bool filter_one(const Candidates& c, const Surfaces& s, size_t l, std::uint16_t first, std::uint16_t last, const Tent& tent,
+                FilterScratch& scratch, float* to) {
+    const float *rgba = c.hierarchy->rgba.data(), *dx = &c.dx[c.offset[l]], *dy = &c.dy[c.offset[l]];
+    const std::uint32_t* sample = &c.sample[c.offset[l]];
+    size_t seen = c.of(l);
+    if (s.count_of[l] > 1) {
+        seen = pick(c, s, l, first, last, scratch);
+        dx = scratch.dx.data();
+        dy = scratch.dy.data();
+        sample = scratch.sample.data();
+    }
+    if (seen == 0) return false;
+    weigh<power>(dx, dy, seen, {tent.radius * c.ratio_of(l), tent.exponent}, scratch.weight.data());
+    if (!write_mean(rgba, sample, scratch.weight.data(), seen, to)) write_nearest(rgba, sample, dx, dy, seen, to);
+    return true;
+}
+
 template <int power>
 void filter_all(const Candidates& c, const Surfaces& s, const Visibility& visibility, const Tent& tent,
                 FilterScratch& scratch, Colors& out) {
-    const float* rgba = c.hierarchy->rgba.data();
+    size_t part = 0;
     for (size_t l = 0, n = c.size(); l < n; ++l) {
-        const size_t first = c.offset[l], all = c.of(l);
         float* to = &out.rgba[4 * l];
+        std::fill(to, to + 4, 0.0f);
         out.valid[l] = 0;
-        if (visibility.decision[l] == Decision::undecided || all == 0) {
-            std::fill(to, to + 4, 0.0f);
+        if (visibility.decision[l] == Decision::undecided || c.of(l) == 0) continue;
+        grow(scratch, c.of(l) + 2 * lanes);
+        if (visibility.decision[l] != Decision::partly) {
+            out.valid[l] = filter_one<power>(c, s, l, visibility.first[l], visibility.last[l], tent, scratch, to);
             continue;
         }
-        if (scratch.weight.size() < all + 2 * lanes) {
-            const size_t size = 2 * (all + 2 * lanes);
-            scratch.dx.resize(size);
-            scratch.dy.resize(size);
-            scratch.weight.resize(size);
-            scratch.sample.resize(size);
-        }
-        const float *dx = &c.dx[first], *dy = &c.dy[first];
-        const std::uint32_t* sample = &c.sample[first];
-        size_t seen = all;
-        if (s.count_of[l] > 1) {
-            seen = pick(c, s, l, visibility.first[l], visibility.last[l], scratch);
-            if (seen == 0) {
-                std::fill(to, to + 4, 0.0f);
-                continue;
-            }
-            dx = scratch.dx.data();
-            dy = scratch.dy.data();
-            sample = scratch.sample.data();
-        }
-        weigh<power>(dx, dy, seen, {tent.radius * c.ratio_of(l), tent.exponent}, scratch.weight.data());
-        if (!write_mean(rgba, sample, scratch.weight.data(), seen, to)) write_nearest(rgba, sample, dx, dy, seen, to);
-        out.valid[l] = 1;
+        visibility.each_seen(l, part, [&](std::uint16_t first, std::uint16_t last, float share) {
+            float mean[4];
+            if (!filter_one<power>(c, s, l, first, last, tent, scratch, mean)) return;
+            for (size_t k = 0; k < 4; ++k) to[k] += share * mean[k];
+            out.valid[l] = 1;
+        });
     }
 }
 

@@ -48,9 +48,19 @@ struct ClusterScratch {
     std::vector<std::uint32_t> rank, at;
 };
 
+// How many samples a surface that covers all of a disk has in it.
+inline float samples_in(float radius, const Hierarchy& h) { return float(h.mean_spp) * 3.14159265f * radius * radius; }
+
+// A surface is too thin for its samples to surround what it covers if fewer than these are there of what one would
+// have that covers all around: of the disk of R two fifths (a straight edge through the location leaves half), of that
+// of 2 R a quarter (what an edge 0.8 R away leaves, from where nothing is within R but a sliver). What part of the location a thin one covers is then the sum of its samples'
+// weights, against that of a surface without gaps, under a squared tent, whose integral is a sixth of the disk's area.
+inline constexpr float thin_near = 0.4f, thin_around = 0.25f, squared_tent_mean = 1.0f / 6;
+
 struct CoverageScratch {
     std::vector<float> x, y, left_x, left_y, right_x, right_y;
-    std::vector<std::uint32_t> sizes;
+    std::vector<std::uint32_t> sizes;  // of each surface, and its weight
+    std::vector<float> weights;
     Visibility visibility;
 };
 
@@ -100,7 +110,7 @@ struct SeeScratch {
                      Candidates& out);                                                                      \
     void cluster(const Candidates& candidates, const SameSurface& test, ClusterScratch& scratch,            \
                  Surfaces& out);                                                                            \
-    void cover(const Candidates& candidates, const Surfaces& surfaces, Visibility& out);                    \
+    void cover(const Candidates& candidates, const Surfaces& surfaces, float radius, Visibility& out);      \
     void cover_finally(const Candidates& candidates, const Surfaces& surfaces, float radius,                \
                        CoverageScratch& scratch, Visibility& out);                                          \
     void filter(const Candidates& candidates, const Surfaces& surfaces, const Visibility& visibility,       \

@@ -2,6 +2,7 @@
 // ones are tested against. Nothing here is meant to be fast.
 // Source: Lehtinen et al. 2011, Sec. 3; see the nodes for where each follows it.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -96,6 +97,36 @@ inline bool surrounded(std::span<const float> x, std::span<const float> y, float
                     triangle_holds_origin(x[i], y[i], x[j], y[j], x[k], y[k]))
                     return true;
     return false;
+}
+
+// Of each surface, front to back, the share of the location at the origin that is seen of it: of one that a triangle
+// surrounds it with all that is left, of one too thin for that its samples' weight against that of a surface without
+// gaps of `spp` samples a square pixel, of the last what is left.
+inline std::vector<float> shares(std::span<const float> x, std::span<const float> y, std::span<const std::uint16_t> surface,
+                                 size_t surfaces, float radius, float spp) {
+    std::vector<float> share(surfaces, 0.0f);
+    float left = 1;
+    for (size_t k = 0; k < surfaces; ++k) {
+        std::vector<float> own_x, own_y;
+        float around = 0, weight = 0;
+        for (size_t i = 0; i < x.size(); ++i) {
+            if (surface[i] != k) continue;
+            own_x.push_back(x[i]);
+            own_y.push_back(y[i]);
+            const float d = std::hypot(x[i], y[i]);
+            if (d < 2 * radius) ++around;
+            if (d < radius) weight += (1 - d / radius) * (1 - d / radius);
+        }
+        const float disk = 3.14159265f * radius * radius * spp;
+        float covered = 1;
+        if (k + 1 < surfaces) {
+            if (around < thin_around * 4 * disk) covered = std::min(1.0f, weight / (squared_tent_mean * disk));
+            else covered = surrounded(own_x, own_y, radius) ? 1.0f : 0.0f;
+        }
+        share[k] = left * covered;
+        left -= share[k];
+    }
+    return share;
 }
 
 // Whether the origin lies in the convex hull: some segment across the horizontal line through it passes

@@ -48,7 +48,8 @@ class Seeing {
           c_(scratch),
           out_(out),
           weight_(set.tent.radius),
-          limit_(hn::Set(f, set.radius * set.radius)) {
+          limit_(hn::Set(f, set.radius * set.radius)), near_(hn::Set(f, set.cover_radius * set.cover_radius)),
+          enough_(thin_near * samples_in(set.cover_radius, h_)) {
         // No two candidates can conflict where their spread (Candidates::spread) is at most this.
         const auto bound = [&](float way, float step) {
             return std::int32_t(std::floor(std::clamp(
@@ -237,9 +238,13 @@ class Seeing {
         if (end == n_ && colored) return;
         if (end == n_) return filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), n_);
         Hull hull;
-        for (size_t i = 0; i < end; i += lanes)
-            hull.add(hn::LoadU(f, &c_.x[i]), hn::LoadU(f, &c_.y[i]), hn::FirstN(f, end - i));
-        if (!hull.inside()) return leave(l);
+        size_t near = 0;
+        for (size_t i = 0; i < end; i += lanes) {
+            const VF x = hn::LoadU(f, &c_.x[i]), y = hn::LoadU(f, &c_.y[i]);
+            hull.add(x, y, hn::FirstN(f, end - i));
+            near += hn::CountTrue(f, hn::And(hn::FirstN(f, end - i), hn::Lt(squared(x, y), near_)));
+        }
+        if (float(near) < enough_ || !hull.inside()) return leave(l);
         c_.visibility.decision[l] = Decision::covered;
         filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), end);
     }
@@ -332,8 +337,12 @@ class Seeing {
         if (all && colored) return;
         Hull hull;
         if (!all) {
-            for (size_t k = 0; k < vectors; ++k) hull.add(x[k], y[k], seen[k]);
-            if (!hull.inside()) return leave(l);
+            size_t near = 0;
+            for (size_t k = 0; k < vectors; ++k) {
+                hull.add(x[k], y[k], seen[k]);
+                near += hn::CountTrue(f, hn::And(seen[k], hn::Lt(squared(x[k], y[k]), near_)));
+            }
+            if (float(near) < enough_ || !hull.inside()) return leave(l);
             c_.visibility.decision[l] = Decision::covered;
         }
         size_t n = 0;
@@ -347,27 +356,45 @@ class Seeing {
         filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), n);
     }
 
-    // Front to back: the first surface that surrounds the location, else the last.
+    // Front to back: the first surface that surrounds the location, else the last; thin ones before it by the part of
+    // the location that they cover.
     void settle(size_t l) {
-        constexpr size_t small =
-            4;  // samples; a surface of fewer is taken together with the one behind it
         const std::uint32_t spread = gather(l);
         out_.candidates += n_;
         if (n_ == 0) return leave(l);
         if (n_ < 2 || alike(spread))
             return filter(l, c_.found_x.data(), c_.found_y.data(), c_.found.data(), n_);
         const Layers layer = layers(l, spread);
-        for (size_t first = 0, end = 0;;) {
-            end = layer.next(end);
+        float left = 1, sum[4] = {};
+        for (size_t first = 0, end = 0; left > 0; first = end) {
+            end = layer.next(first);
             const bool last = end == n_;
-            if (!last && (end - first < small || !surrounds(first, end))) {
-                if (end - first >= small) first = end;
-                continue;
+            const float share = last ? left : left * part_covered(first, end);
+            if (share > 0) {
+                filter(l, &c_.x[first], &c_.y[first], &c_.sample[first], end - first);
+                for (size_t k = 0; k < 4; ++k) sum[k] += share * out_.rgba[4 * l + k];
+                left -= share;
             }
-            if (first > 0 || !last)
-                c_.visibility.decision[l] = last ? Decision::last : Decision::covered;
-            return filter(l, &c_.x[first], &c_.y[first], &c_.sample[first], end - first);
+            if (last) break;
         }
+        std::copy_n(sum, 4, &out_.rgba[4 * l]);
+    }
+
+    // How much of the location candidates [first, end) cover, a surface.
+    float part_covered(size_t first, size_t end) {
+        const float radius = set_.cover_radius;
+        const VF wide = hn::Set(f, 4 * radius * radius), per_radius = hn::Set(f, 1 / radius);
+        VF sum = hn::Zero(f);
+        size_t around = 0;
+        for (size_t i = first; i < end; i += lanes) {
+            const auto in = hn::FirstN(f, end - i);
+            const VF d2 = squared(hn::LoadU(f, &c_.x[i]), hn::LoadU(f, &c_.y[i]));
+            around += hn::CountTrue(f, hn::And(in, hn::Lt(d2, wide)));
+            const VF tent = hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Sqrt(d2), per_radius, hn::Set(f, 1.0f)));
+            sum = hn::Add(sum, hn::IfThenElseZero(in, hn::Mul(tent, tent)));
+        }
+        if (float(around) >= thin_around * samples_in(2 * radius, h_)) return surrounds(first, end) ? 1.0f : 0.0f;
+        return std::min(1.0f, hn::GetLane(hn::SumOfLanes(f, sum)) / (squared_tent_mean * samples_in(radius, h_)));
     }
 
     // Whether candidates [first, end) surround the location.
@@ -420,7 +447,8 @@ class Seeing {
     SeeScratch& c_;
     Colors& out_;
     const TentWeight<power> weight_;
-    const VF limit_;
+    const VF limit_, near_;
+    const float enough_;  // samples of a surface that is not too thin to be seen to surround a location
     std::int32_t slopes_ = 0, velocities_ = 0;
     size_t n_ = 0;  // candidates of the location at hand
 };

@@ -107,7 +107,7 @@ struct SeeVisible {
         WEFT_PICK(cluster)(s.candidates, set.test, s.cluster, s.surfaces);
         if (set.final) WEFT_PICK(cover_finally)
         (s.candidates, s.surfaces, set.cover_radius, s.see.coverage, s.see.visibility);
-        else WEFT_PICK(cover)(s.candidates, s.surfaces, s.see.visibility);
+        else WEFT_PICK(cover)(s.candidates, s.surfaces, set.cover_radius, s.see.visibility);
         WEFT_PICK(filter)(s.candidates, s.surfaces, s.see.visibility, set.tent, s.filter, colors);
         colors.candidates = s.candidates.offset[at.size()];
     }

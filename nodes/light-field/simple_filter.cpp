@@ -30,9 +30,9 @@ void filter_each(const Inputs& in, Outputs& out, Weight&& weight) {
     colors.color_space = &h.color_space;
     colors.rgba.assign(4 * c.size(), 0);
     colors.valid.assign(c.size(), 0);
-    for (size_t l = 0; l < c.size(); ++l) {
-        if (v.decision[l] == Decision::undecided) continue;
-        const auto seen = [&](size_t i) { return s.surface[i] >= v.first[l] && s.surface[i] <= v.last[l]; };
+    size_t part = 0;
+    const auto filter = [&](size_t l, std::uint16_t first, std::uint16_t last, float share) {
+        const auto seen = [&](size_t i) { return s.surface[i] >= first && s.surface[i] <= last; };
         const auto distance = [&](size_t i) { return c.dx[i] * c.dx[i] + c.dy[i] * c.dy[i]; };
         float least = 1e38f;
         for (size_t i = c.offset[l]; i < c.offset[l + 1]; ++i)
@@ -44,10 +44,13 @@ void filter_each(const Inputs& in, Outputs& out, Weight&& weight) {
             for (size_t k = 0; k < 4; ++k) sum[k] += w * h.rgba[4 * size_t(c.sample[i]) + k];
             sum[4] += w;
         }
-        if (!(sum[4] > 0)) continue;
-        for (size_t k = 0; k < 4; ++k) colors.rgba[4 * l + k] = sum[k] / sum[4];
+        if (!(sum[4] > 0)) return;
+        for (size_t k = 0; k < 4; ++k) colors.rgba[4 * l + k] += share * sum[k] / sum[4];
         colors.valid[l] = 1;
-    }
+    };
+    for (size_t l = 0; l < c.size(); ++l)
+        if (v.decision[l] != Decision::undecided)
+            v.each_seen(l, part, [&](std::uint16_t first, std::uint16_t last, float share) { filter(l, first, last, share); });
 }
 
 struct GaussianVisible {

@@ -110,14 +110,36 @@ enum class Decision : std::uint8_t {
     one,        // there is one surface only
     covered,    // a surface surrounds the location
     last,       // the farthest: nothing else is left
+    partly,     // several, each by the part of the location that it covers
     nearest,    // taken for want of anything better
 };
 
-// Which surfaces are seen: those from `first` to `last` of each location, both included.
+// Which surfaces are seen: those from `first` to `last` of each location, both included; or some, each by its share.
 struct Visibility : Batch {
     std::vector<std::uint16_t> first, last;
     std::vector<Decision> decision;
-    std::vector<float> weight;  // of each candidate, where visibility is soft; else empty
+    struct Part {
+        std::uint32_t location;
+        std::uint16_t surface;
+        float share;  // of one location they add up to 1
+    };
+    std::vector<Part> parts;  // of the locations that see several, in order
+
+    // work(first, last, share) for all that location l sees; `part` is moved from location to location, from 0 on.
+    template <class Work>
+    void each_seen(size_t l, size_t& part, Work&& work) const {
+        if (decision[l] != Decision::partly) {
+            work(first[l], last[l], 1.0f);
+            return;
+        }
+        for (; part < parts.size() && parts[part].location == l; ++part) work(parts[part].surface, parts[part].surface, parts[part].share);
+    }
+    void clear(size_t n) {
+        first.assign(n, 0);
+        last.assign(n, 0);
+        decision.assign(n, Decision::undecided);
+        parts.clear();
+    }
     void count(Items& items) const { items.add("locations", size()); }
     void describe(FieldVisitor& see) const;
 };

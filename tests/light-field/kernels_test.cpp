@@ -132,10 +132,10 @@ TEST_P(Kernels, ClustersAreThoseOfTheScalarForm) {
     }
 }
 
-TEST_P(Kernels, CoverageTakesTheFirstSurfaceThatASmallTriangleOfHoldsTheLocation) {
+TEST_P(Kernels, CoverageSharesALocationAmongSurfacesAsTheScalarFormDoes) {
     ClusterScratch cluster_scratch;
     CoverageScratch scratch;
-    std::array<size_t, 5> decisions{};
+    std::array<size_t, 6> decisions{};
     for (unsigned trial = 0; trial < 4; ++trial) {
         const Locations at = locations_in(8, 8, std::get<2>(GetParam()), trial);
         const Candidates c = candidates(at, 2 * h.radius);
@@ -144,21 +144,27 @@ TEST_P(Kernels, CoverageTakesTheFirstSurfaceThatASmallTriangleOfHoldsTheLocation
         s.pixels = v.pixels = at.pixels;
         WEFT_PICK(cluster)(c, SameSurface{}, cluster_scratch, s);
         WEFT_PICK(cover_finally)(c, s, h.radius, scratch, v);
+        size_t part = 0;
         for (size_t l = 0; l < at.size(); ++l) {
             ++decisions[size_t(v.decision[l])];
-            if (v.decision[l] != Decision::covered && v.decision[l] != Decision::last) continue;
-            std::vector<float> x, y;
-            for (size_t i = c.offset[l]; i < c.offset[l + 1]; ++i)
-                if (s.surface[i] >= v.first[l] && s.surface[i] <= v.last[l]) {
-                    x.push_back(c.dx[i]);
-                    y.push_back(c.dy[i]);
-                }
-            EXPECT_TRUE(v.last[l] + 1 == s.count_of[l] || reference::surrounded(x, y, h.radius));
-            EXPECT_EQ(v.decision[l] == Decision::last, v.last[l] + 1 == s.count_of[l]);
+            if (s.count_of[l] < 2) continue;
+            const size_t first = c.offset[l], n = c.of(l);
+            const std::vector<float> expected = reference::shares({&c.dx[first], n}, {&c.dy[first], n}, {&s.surface[first], n},
+                                                                  s.count_of[l], h.radius, float(h.mean_spp));
+            std::vector<float> share(s.count_of[l], 0.0f);
+            v.each_seen(l, part, [&](std::uint16_t from, std::uint16_t to, float seen) {
+                EXPECT_EQ(from, to);
+                share[from] += seen;
+            });
+            for (size_t k = 0; k < share.size(); ++k) EXPECT_NEAR(share[k], expected[k], 1e-4) << "location " << l;
         }
+        EXPECT_EQ(part, v.parts.size());
     }
     if (std::get<1>(GetParam()) == Kind_of::defocused) {
         EXPECT_GT(decisions[size_t(Decision::covered)], 0u);
+    }
+    if (std::get<1>(GetParam()) == Kind_of::moving_in_depth) {
+        EXPECT_GT(decisions[size_t(Decision::partly)], 0u);
     }
 }
 
@@ -247,7 +253,7 @@ TEST(Coverage, OfRandomPointsIsThatOfTheScalarForm) {
             ASSERT_EQ(v.decision[0] == Decision::covered, expected) << "trial " << trial;
             covered += expected;
             v.decision.clear();
-            WEFT_PICK(cover)(two.c, two.s, v);
+            WEFT_PICK(cover)(two.c, two.s, 1, v);
             ASSERT_EQ(v.decision[0] == Decision::covered, reference::hull_holds_origin(x, y)) << "trial " << trial;
         }
         EXPECT_GT(covered, 300u);
@@ -255,16 +261,53 @@ TEST(Coverage, OfRandomPointsIsThatOfTheScalarForm) {
     }
 }
 
-TEST(Coverage, ASurfaceOfFewSamplesIsTakenWithTheOneBehind) {
+TEST(Coverage, AThinSurfaceIsSeenByThePartItCovers) {
+    // Three samples of the 50 that would be there; a surface that covers all has weights of pi spp / 6 in all.
+    const std::vector<float> x{0.1f, -0.1f, 0.5f}, y{0.1f, 0.1f, -0.2f};
     for (Isa isa : instruction_sets()) {
         const PinnedIsa pinned(isa);
-        TwoSurfaces two({0.1f, -0.1f, 0.0f}, {0.1f, 0.1f, -0.2f});
+        TwoSurfaces two(x, y);
+        two.h.mean_spp = 4;
+        two.h.rgba = {9, 9, 9, 1, 9, 9, 9, 1, 9, 9, 9, 1, 1, 1, 1, 1};
         CoverageScratch scratch;
         Visibility v;
         v.pixels = two.pixel;
         WEFT_PICK(cover_finally)(two.c, two.s, 1, scratch, v);
-        EXPECT_EQ(v.first[0], 0);
-        EXPECT_EQ(v.last[0], 1);
+        double weights = 0;
+        for (size_t i = 0; i < x.size(); ++i) weights += std::pow(1 - std::hypot(double(x[i]), double(y[i])), 2);
+        const double share = weights / (3.14159265 * 4 / 6);
+        ASSERT_LT(share, 1);
+        ASSERT_EQ(v.decision[0], Decision::partly);
+        ASSERT_EQ(v.parts.size(), 2u);
+        EXPECT_EQ(v.parts[0].surface, 0);
+        EXPECT_NEAR(v.parts[0].share, share, 1e-5);
+        EXPECT_EQ(v.parts[1].surface, 1);
+        EXPECT_NEAR(v.parts[1].share, 1 - share, 1e-5);
+
+        two.c.sample = {0, 1, 2, 3};
+        two.c.sample.resize(32);
+        FilterScratch filter_scratch;
+        Colors colors;
+        WEFT_PICK(filter)(two.c, two.s, v, Tent{2, 2}, filter_scratch, colors);
+        ASSERT_TRUE(colors.valid[0]);
+        EXPECT_NEAR(colors.rgba[0], share * 9 + (1 - share) * 1, 1e-4);
+        EXPECT_NEAR(colors.rgba[3], 1, 1e-5);
+    }
+}
+
+TEST(Coverage, AThinSurfaceDoesNotSurroundAtFirstSight) {
+    // Its hull holds the location, but it has 3 samples where there is room for 12.
+    for (Isa isa : instruction_sets()) {
+        const PinnedIsa pinned(isa);
+        TwoSurfaces two({0.5f, -0.5f, 0.0f}, {0.5f, 0.5f, -0.5f});
+        Visibility v;
+        v.pixels = two.pixel;
+        two.h.mean_spp = 4;
+        WEFT_PICK(cover)(two.c, two.s, 1, v);
+        EXPECT_EQ(v.decision[0], Decision::undecided);
+        two.h.mean_spp = 2;
+        WEFT_PICK(cover)(two.c, two.s, 1, v);
+        EXPECT_EQ(v.decision[0], Decision::covered);
     }
 }
 

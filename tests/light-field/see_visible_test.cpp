@@ -41,7 +41,7 @@ struct Stages {
             WEFT_PICK(cover_finally)
             (candidates, surfaces, set.cover_radius, coverage_scratch, visibility);
         else
-            WEFT_PICK(cover)(candidates, surfaces, visibility);
+            WEFT_PICK(cover)(candidates, surfaces, set.cover_radius, visibility);
         WEFT_PICK(filter)(candidates, surfaces, visibility, set.tent, filter_scratch, colors);
     }
 };
