@@ -12,8 +12,6 @@
 namespace weft {
 namespace light_field {
 
-constexpr size_t spare = 16;  // vectors may be read past the end
-
 SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     const size_t n = samples.size();
     const Lens lens = samples.has_lens() ? *samples.lens : Lens{};
@@ -25,12 +23,15 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     s.x0 = s.y0 = -border;
     s.columns = int((float(samples.width) + 2 * border) / cell) + 1;
     s.rows = int((float(samples.height) + 2 * border) / cell) + 1;
-    std::vector<float> x(n), y(n);
+    s.moving = samples.has_motion();
+    LargeArray<float> x(n), y(n);
     LargeArray<std::uint64_t> keys(n);
+    const Places places = places_of(samples);
+    const auto xy = samples.xy();
     const auto place = [&](size_t i) {
-        Recentred p = recentred(samples, i);
+        Recentred p = recentred(places, lens, i);
         if (!(p.W > 0)) {  // behind the camera at half time: where it was seen
-            p = {samples.xy()[2 * i], samples.xy()[2 * i + 1], 1, 0, 0, 0};
+            p = {xy[2 * i], xy[2 * i + 1], 1, 0, 0, 0};
         }
         return p;
     };
@@ -47,7 +48,7 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     for (std::uint64_t key : keys) ++s.start[key + 1];
     for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
     s.order = sorted(std::move(keys), ctx);
-    for (auto* values : {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b}) values->resize(n + spare);
+    lay_out(s.memory, n, s.x, s.y, s.slope, s.velocity_x, s.velocity_y, s.log_depth, s.r, s.g, s.b);
     const auto rgb = samples.rgb();
     ctx.parallel_for(
         n,
@@ -81,9 +82,8 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
             ctx.progress(double(done += end - begin), 4 * double(n), "samples");
         });
     };
-    Filtered filtered;
-    for (auto* values : {&filtered.r, &filtered.g, &filtered.b, &filtered.weight}) values->resize(n + spare, 1);
-    std::vector<float> errors(Smoothing::treatments * (n + spare));
+    Filtered filtered(n);
+    LargeArray<float> errors(Smoothing::treatments * s.x.size(), 0.0f);
     std::vector<std::uint8_t> best(n);
     std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
     each([&](size_t begin, size_t end) { WEFT_PICK(filter_samples)(s, by, begin, end, filtered); });

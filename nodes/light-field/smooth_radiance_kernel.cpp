@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <vector>
 #include <limits>
 
 #include "light-field/simd.h"
@@ -19,31 +20,74 @@ struct Place {
           vx(hn::Set(f, s.velocity_x[at])), vy(hn::Set(f, s.velocity_y[at])), depth(hn::Set(f, s.log_depth[at])) {}
 };
 
-// work(i, distance, mask) for vectors i ... of samples of `s` within `reach` that lie on the place's surface.
-template <class Work>
-HWY_INLINE void each_neighbour(const SampleField& s, const Smoothing& by, float reach, const Place& place, Work&& work) {
-    const VF limit = hn::Set(f, reach * reach);
-    const VF slope_limit = hn::Set(f, by.slope), velocity_limit = hn::Set(f, by.velocity), depth_limit = hn::Set(f, by.depth);
-    const int top = s.row_of(place.py - reach), bottom = s.row_of(place.py + reach);
-    for (int row = top; row <= bottom; ++row) {
-        // How far the disk reaches in this row. The outermost rows hold whatever lies beyond them, too.
-        const float upper = s.y0 + float(row) * s.cell, away = std::max({upper - place.py, place.py - upper - s.cell, 0.0f});
-        const bool outermost = row == 0 || row + 1 == s.rows;
-        const float half = outermost ? reach : std::sqrt(std::max(reach * reach - away * away, 0.0f)) + 1e-3f;
-        const std::uint32_t* start = &s.start[size_t(row) * size_t(s.columns)];
-        const size_t end = start[s.column_of(place.px + half) + 1];
-        for (size_t i = start[s.column_of(place.px - half)]; i < end; i += lanes) {
-            const VF dx = hn::Sub(hn::LoadU(f, &s.x[i]), place.x), dy = hn::Sub(hn::LoadU(f, &s.y[i]), place.y);
+// The neighbours of samples within `reach` on their surfaces. Samples of one cell look through the same runs of
+// samples, which are found once for all of them.
+class Neighbours {
+  public:
+    Neighbours(const SampleField& field, const Smoothing& by, float reach)
+        : s_(field), limit_(hn::Set(f, reach * reach)), slope_(hn::Set(f, by.slope)),
+          velocity_(hn::Set(f, by.velocity)), depth_(hn::Set(f, by.depth)) {
+        // How many cells to either side the disks around a cell's points reach into, so many rows away.
+        for (int rows = 0;; ++rows) {
+            const float away = std::max(0.0f, float(rows - 1) * field.cell - 1e-3f);
+            if (away > reach) break;
+            const float half = std::sqrt(reach * reach - away * away) + 1e-3f;
+            columns_.push_back(int(std::ceil(half / field.cell)));
+        }
+    }
+
+    // work(i, distance, mask) for vectors i ... of samples of which some may be neighbours of the place's, sample `at`.
+    template <class Work>
+    HWY_INLINE void each(size_t at, const Place& place, Work&& work) {
+        look_up(at);
+        for (size_t k = 0; k < count_; ++k) {
+            const Vector v = vectors_[k];
+            const size_t i = v.first;
+            const VF dx = hn::Sub(hn::LoadU(f, &s_.x[i]), place.x), dy = hn::Sub(hn::LoadU(f, &s_.y[i]), place.y);
             const VF d2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
-            auto near = hn::And(hn::Lt(d2, limit), hn::FirstN(f, end - i));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.slope[i]), place.slope), slope_limit));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.log_depth[i]), place.depth), depth_limit));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.velocity_x[i]), place.vx), velocity_limit));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s.velocity_y[i]), place.vy), velocity_limit));
+            auto near = hn::And(hn::Lt(d2, limit_), hn::FirstN(f, v.count));
+            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.slope[i]), place.slope), slope_));
+            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.log_depth[i]), place.depth), depth_));
+            if (s_.moving) {
+                near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.velocity_x[i]), place.vx), velocity_));
+                near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.velocity_y[i]), place.vy), velocity_));
+            }
             work(i, hn::Sqrt(d2), near);
         }
     }
-}
+
+  private:
+    struct Vector {
+        std::uint32_t first, count;
+    };
+
+    void look_up(size_t at) {
+        const int column = s_.column_of(s_.x[at]), row = s_.row_of(s_.y[at]);
+        if (column == column_ && row == row_) return;
+        column_ = column;
+        row_ = row;
+        // (The outermost cells hold whatever lies beyond them, too; that is no nearer to others than they are.)
+        const int rows = int(columns_.size()) - 1;
+        size_t n = 0;
+        for (int r = std::max(row - rows, 0), bottom = std::min(row + rows, s_.rows - 1); r <= bottom; ++r) {
+            const int across = columns_[size_t(std::abs(r - row))];
+            const std::uint32_t* start = &s_.start[size_t(r) * size_t(s_.columns)];
+            std::uint32_t i = start[std::max(column - across, 0)];
+            const std::uint32_t end = start[std::min(column + across, s_.columns - 1) + 1];
+            const size_t most = n + (end - i) / lanes + 1;
+            if (vectors_.size() < most) vectors_.resize(2 * most);
+            for (; i < end; i += lanes) vectors_[n++] = {i, std::min(end - i, std::uint32_t(lanes))};
+        }
+        count_ = n;
+    }
+
+    const SampleField& s_;
+    const VF limit_, slope_, velocity_, depth_;
+    int column_ = -1, row_ = -1;  // of the cell whose runs these are
+    std::vector<Vector> vectors_;
+    size_t count_ = 0;
+    std::vector<int> columns_;
+};
 
 float sum(VF v) { return hn::GetLane(hn::SumOfLanes(f, v)); }
 
@@ -79,9 +123,10 @@ HWY_INLINE VF tent(VF distance, VF per_width) { return hn::NegMulAdd(distance, p
 
 void filter_samples(const SampleField& s, const Smoothing& by, size_t begin, size_t end, Filtered& out) {
     const VF per_width = hn::Set(f, 1.0f / by.width[0]);
+    Neighbours narrow(s, by, by.width[0]);
     for (size_t at = begin; at < end; ++at) {
         Sums sums;
-        each_neighbour(s, by, by.width[0], Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
+        narrow.each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
             const VF part = tent(distance, per_width), weight = hn::IfThenElseZero(near, hn::Mul(part, part));
             sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
         });
@@ -94,24 +139,25 @@ void filter_samples(const SampleField& s, const Smoothing& by, size_t begin, siz
 }
 
 void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing& by, size_t begin, size_t end,
-                 std::vector<float>& errors) {
+                 std::span<float> errors) {
     const VF zero = hn::Zero(f);
     VF per_width[widths];
     for (size_t k = 0; k < widths; ++k) per_width[k] = hn::Set(f, 1.0f / by.width[k]);
     const size_t pitch = s.x.size();
+    Neighbours wide_ones(s, by, by.width[widths - 1]), narrow(s, by, by.width[0]);
     for (size_t at = begin; at < end; ++at) {
         const Place place(s, at);
         Sums wide[widths];
-        each_neighbour(s, by, by.width[widths - 1], place, [&](size_t i, VF distance, auto near) HWY_ATTR {
+        wide_ones.each(at, place, [&](size_t i, VF distance, auto near) HWY_ATTR {
             const VF r = hn::LoadU(f, &s.r[i]), g = hn::LoadU(f, &s.g[i]), b = hn::LoadU(f, &s.b[i]);
             for (size_t k = 1; k < widths; ++k)
                 wide[k].add(hn::IfThenElseZero(near, hn::Max(zero, tent(distance, per_width[k]))), r, g, b);
         });
         Sums sharp;
         VF overlap = zero;
-        each_neighbour(s, by, by.width[0], place, [&](size_t i, VF distance, auto near) HWY_ATTR {
+        narrow.each(at, place, [&](size_t i, VF distance, auto near) HWY_ATTR {
             const VF part = tent(distance, per_width[0]), weight = hn::IfThenElseZero(near, hn::Mul(part, part));
-            const auto doubled = [&](const std::vector<float>& y, const std::vector<float>& mean) HWY_ATTR {
+            const auto doubled = [&](std::span<const float> y, std::span<const float> mean) HWY_ATTR {
                 const VF value = hn::LoadU(f, &y[i]);
                 return hn::Sub(hn::Add(value, value), hn::LoadU(f, &mean[i]));
             };
@@ -146,7 +192,7 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
     }
 }
 
-void choose(const SampleField& s, const std::vector<float>& errors, const Smoothing& by, size_t begin, size_t end,
+void choose(const SampleField& s, std::span<const float> errors, const Smoothing& by, size_t begin, size_t end,
             std::vector<std::uint8_t>& best) {
     const VF zero = hn::Zero(f), per_window = hn::Set(f, 1.0f / by.window);
     const size_t pitch = s.x.size();
@@ -154,6 +200,7 @@ void choose(const SampleField& s, const std::vector<float>& errors, const Smooth
     constexpr size_t kept = 4;
     size_t last[kept], known = 0;
     const float near2 = 0.5f * by.width[0] * by.width[0];
+    Neighbours around(s, by, by.window);
     for (size_t at = begin; at < end; ++at) {
         const auto alike = [&](size_t other) {
             const float dx = s.x[at] - s.x[other], dy = s.y[at] - s.y[other];
@@ -170,7 +217,7 @@ void choose(const SampleField& s, const std::vector<float>& errors, const Smooth
         last[known++ % kept] = at;
         VF mean[treatments], spread[treatments];
         for (size_t k = 0; k < treatments; ++k) mean[k] = spread[k] = zero;
-        each_neighbour(s, by, by.window, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
+        around.each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
             const VF weight = hn::IfThenElseZero(near, tent(distance, per_window));
             const VF as_is = hn::LoadU(f, &errors[i]);
             for (size_t k = 1; k < treatments; ++k) {
@@ -195,6 +242,9 @@ void choose(const SampleField& s, const std::vector<float>& errors, const Smooth
 
 void treat(const SampleField& s, const Filtered& filtered, const std::vector<std::uint8_t>& best, const Smoothing& by,
            size_t begin, size_t end, std::span<float> rgb) {
+    static_assert(widths == 4);
+    Neighbours by_width[widths] = {{s, by, by.width[0]}, {s, by, by.width[1]}, {s, by, by.width[2]}, {s, by, by.width[3]}};
+    Neighbours& narrow = by_width[0];
     for (size_t at = begin; at < end; ++at) {
         const size_t k = best[at];
         if (k == 0) continue;
@@ -203,7 +253,7 @@ void treat(const SampleField& s, const Filtered& filtered, const std::vector<std
             // Within what its neighbours are, or else one bright sample leaves dark ones around it and grows itself.
             const VF most = hn::Set(f, std::numeric_limits<float>::max());
             Range red{most}, green{most}, blue{most};
-            each_neighbour(s, by, by.width[0], Place(s, at), [&](size_t i, VF, auto near) HWY_ATTR {
+            narrow.each(at, Place(s, at), [&](size_t i, VF, auto near) HWY_ATTR {
                 red.add(near, hn::LoadU(f, &s.r[i]));
                 green.add(near, hn::LoadU(f, &s.g[i]));
                 blue.add(near, hn::LoadU(f, &s.b[i]));
@@ -215,7 +265,7 @@ void treat(const SampleField& s, const Filtered& filtered, const std::vector<std
         }
         Sums sums;
         const VF per_width = hn::Set(f, 1.0f / by.width[k]);
-        each_neighbour(s, by, by.width[k], Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
+        by_width[k].each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
             const VF weight = hn::IfThenElseZero(near, tent(distance, per_width));
             sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
         });

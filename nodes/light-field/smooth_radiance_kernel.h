@@ -45,9 +45,11 @@ struct SampleField {
     size_t size = 0;
     int columns = 0, rows = 0;
     float cell = 1, x0 = 0, y0 = 0;
+    bool moving = false;               // else all velocities are 0
     std::vector<std::uint32_t> start;  // columns x rows + 1
     LargeArray<std::uint32_t> order;   // index in the buffer
-    std::vector<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
+    std::span<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
+    LargeArray<float> memory;  // theirs
 
     int column_of(float at) const { return clamped((at - x0) / cell, columns); }
     int row_of(float at) const { return clamped((at - y0) / cell, rows); }
@@ -59,15 +61,28 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx);
 
 // What the filter to come makes of each sample, and the sum of its weights there.
 struct Filtered {
-    std::vector<float> r, g, b, weight;
+    std::span<float> r, g, b, weight;
+    LargeArray<float> memory;  // theirs
+    explicit Filtered(size_t n);
 };
+
+// Cuts memory for arrays of n values and some to spare, all 1, into them.
+template <class... Spans>
+void lay_out(LargeArray<float>& memory, size_t n, Spans&... spans) {
+    constexpr size_t spare = 16;  // vectors may be read past the end
+    const size_t each = n + spare;
+    memory.assign(each * sizeof...(spans), 1.0f);
+    size_t at = 0;
+    ((spans = std::span(memory).subspan(each * at++, each)), ...);
+}
+inline Filtered::Filtered(size_t n) { lay_out(memory, n, r, g, b, weight); }
 
 #define WEFT_SMOOTHING_KERNELS(isa)                                                                                  \
     namespace isa {                                                                                                  \
     void filter_samples(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Filtered& out);     \
     void find_errors(const SampleField& field, const Filtered& filtered, const Smoothing& by, size_t begin,          \
-                     size_t end, std::vector<float>& errors);                                                        \
-    void choose(const SampleField& field, const std::vector<float>& errors, const Smoothing& by, size_t begin,       \
+                     size_t end, std::span<float> errors);                                                           \
+    void choose(const SampleField& field, std::span<const float> errors, const Smoothing& by, size_t begin,          \
                 size_t end, std::vector<std::uint8_t>& best);                                                        \
     void treat(const SampleField& field, const Filtered& filtered, const std::vector<std::uint8_t>& best,            \
                const Smoothing& by, size_t begin, size_t end, std::span<float> rgb);                                 \

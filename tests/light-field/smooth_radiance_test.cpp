@@ -164,7 +164,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
         const double d = distance(i, j), w = d < 0 ? 0 : std::max(0.0, 1 - d / by.width[k]);
         return k == 0 ? w * w : w;
     };
-    const std::vector<float>* y[3] = {&s.r, &s.g, &s.b};
+    const std::span<const float> y[3] = {s.r, s.g, s.b};
     // Prediction of sample i by treatment k from the radiance `of`, without sample `out`.
     const auto mean = [&](size_t k, size_t i, const std::vector<double>& of, size_t out) {
         double sum = 0, all = 0;
@@ -177,13 +177,12 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     };
     std::vector<double> radiance[3], sharpened[3];
     for (size_t c = 0; c < 3; ++c) {
-        radiance[c].assign(y[c]->begin(), y[c]->begin() + std::ptrdiff_t(n));
+        radiance[c].assign(y[c].begin(), y[c].begin() + std::ptrdiff_t(n));
         for (size_t i = 0; i < n; ++i) sharpened[c].push_back(2 * radiance[c][i] - mean(0, i, radiance[c], n));
     }
     for (Isa isa : instruction_sets()) {
         const PinnedIsa pinned(isa);
-        Filtered filtered;
-        for (auto* values : {&filtered.r, &filtered.g, &filtered.b, &filtered.weight}) values->resize(n + 16, 1);
+        Filtered filtered(n);
         WEFT_PICK(filter_samples)(s, by, 0, n, filtered);
         const size_t pitch = s.x.size();
         std::vector<float> errors(Smoothing::treatments * pitch);
