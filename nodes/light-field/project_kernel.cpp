@@ -180,11 +180,12 @@ void project(const Hierarchy& h, Block& block, float u, float v, float t, bool c
     out.reach = block.reach;
     out.cell_width = 0.5f * h.radius;
     out.cell_height = h.radius;
-    // A cell more, so that rounding never asks for one that is not there.
-    out.column0 = int(std::floor((float(block.x0) - block.reach) / out.cell_width)) - 1;
-    out.row0 = int(std::floor((float(block.y0) - block.reach) / out.cell_height)) - 1;
-    out.columns = int(std::floor((float(block.x1) + block.reach) / out.cell_width)) + 2 - out.column0;
-    out.rows = int(std::floor((float(block.y1) + block.reach) / out.cell_height)) + 2 - out.row0;
+    // A little farther, so that rounding of what lies at the very reach loses nothing.
+    const float far = block.reach * 1.0001f + 1e-3f + 1e-6f * float(std::max(h.width, h.height));
+    out.column0 = int(std::floor((float(block.x0) - far) / out.cell_width));
+    out.row0 = int(std::floor((float(block.y0) - far) / out.cell_height));
+    out.columns = int(std::floor((float(block.x1) + far) / out.cell_width)) + 1 - out.column0;
+    out.rows = int(std::floor((float(block.y1) + far) / out.cell_height)) + 1 - out.row0;
     out.slope_step = block.slope_step;
     out.velocity_step = block.velocity_step;
     const float d = t - 0.5f;
