@@ -24,18 +24,20 @@ struct LargeAllocator {
     LargeAllocator(const LargeAllocator<U>&) noexcept {}
 
     T* allocate(size_t n) {
-        const size_t bytes = n * sizeof(T);
-        if (bytes < huge_page) return static_cast<T*>(::operator new(bytes));
+        if (!is_large(n)) return static_cast<T*>(::operator new(n * sizeof(T)));
+        const size_t bytes = (n * sizeof(T) + huge_page - 1) / huge_page * huge_page;
         void* memory = ::operator new(bytes, std::align_val_t(huge_page));
         madvise(memory, bytes, MADV_HUGEPAGE);  // where it is refused, small pages do
         return static_cast<T*>(memory);
     }
     void deallocate(T* memory, size_t n) noexcept {
-        if (n * sizeof(T) < huge_page)
-            ::operator delete(memory);
-        else
+        if (is_large(n))
             ::operator delete(memory, std::align_val_t(huge_page));
+        else
+            ::operator delete(memory);
     }
+    // What fills most of a huge page, or more.
+    static bool is_large(size_t n) { return n * sizeof(T) >= huge_page - huge_page / 4; }
     template <class U>
     void construct(U* at) noexcept {
         ::new (static_cast<void*>(at)) U;
