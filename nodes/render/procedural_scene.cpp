@@ -39,7 +39,7 @@ Scene procedural_scene(std::string_view name, std::uint64_t seed, float size) {
             scene.source = fmt::format("procedural:{}, seed {}, size {}", name, seed, size);
             return scene;
         }
-    throw Error(fmt::format("no procedural scene '{}'{}", name,
+    throw Error(fmt::format("procedural:{}: no such scene{}", name,
                             suggestion(name, procedural_scene_names())));
 }
 

@@ -10,6 +10,8 @@ struct ReadScene {
     std::string file;
     std::string camera, animation;
     float shutter_open = 0, shutter_close = 1.0f / 48;
+    std::uint64_t seed = 1;
+    float size = 1;
 
     static void declare(Ports<ReadScene>& node) {
         node.about("reads a scene: glTF 2.0, OBJ, the JSON scene form, or procedural:NAME")
@@ -25,9 +27,15 @@ struct ReadScene {
                    {.about = "glTF: the animation to play, by name or number; empty: all"})
             .param("shutter-open", &ReadScene::shutter_open,
                    {.unit = "s", .min = -1e6, .max = 1e6, .about = "glTF: when the shutter opens"})
-            .param(
-                "shutter-close", &ReadScene::shutter_close,
-                {.unit = "s", .min = -1e6, .max = 1e6, .about = "glTF: when the shutter closes"});
+            .param("shutter-close", &ReadScene::shutter_close,
+                   {.unit = "s", .min = -1e6, .max = 1e6, .about = "glTF: when the shutter closes"})
+            .param("seed", &ReadScene::seed,
+                   {.about = "procedural: another arrangement of the scene"})
+            .param("size", &ReadScene::size,
+                   {.min = 0.01,
+                    .max = 1000,
+                    .about = "procedural: how much there is in it; the number of things grows with "
+                             "it"});
     }
 
     std::vector<std::string> reads() const { return scene_files(file); }
@@ -36,8 +44,8 @@ struct ReadScene {
         if (shutter_close < shutter_open)
             ctx.fail("the shutter closes before it opens: shutter-close is less than shutter-open");
         std::vector<std::string> warnings;
-        out.set("scene",
-                read_scene_file(file, {camera, animation, shutter_open, shutter_close}, warnings));
+        const SceneOptions options{camera, animation, shutter_open, shutter_close, seed, size};
+        out.set("scene", read_scene_file(file, options, warnings));
         constexpr size_t most = 8;
         for (size_t i = 0; i < std::min(warnings.size(), most); ++i) ctx.warn(warnings[i]);
         if (warnings.size() > most)

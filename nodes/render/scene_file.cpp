@@ -78,7 +78,20 @@ void light_evenly(Scene& scene) {
 Scene read_scene_file(const std::string& path, const SceneOptions& options,
                       std::vector<std::string>& warnings) {
     constexpr std::string_view procedural = "procedural:";
-    if (path.starts_with(procedural)) return procedural_scene(path.substr(procedural.size()));
+    if (path.starts_with(procedural)) {
+        if (!options.camera.empty() || !options.animation.empty())
+            throw Error(
+                fmt::format("{}: 'camera' and 'animation' choose among a file's; a scene "
+                            "made by rule has one camera and moves as it does: leave them "
+                            "empty",
+                            path));
+        return procedural_scene(path.substr(procedural.size()), options.seed, options.size);
+    }
+    if (options.seed != 1 || options.size != 1)
+        throw Error(
+            fmt::format("{}: 'seed' and 'size' make procedural:NAME scenes; a file is as it "
+                        "is: leave them at 1",
+                        path));
     if (!std::filesystem::exists(path)) {
         const bool fetched = path.find("scenes/") != std::string::npos;
         throw Error(fmt::format(

@@ -4,6 +4,7 @@
 // Errors are weft::Error: file, element (mesh, accessor, material ...), what was found, what to do.
 // What is returned has passed check_scene().
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct SceneOptions {
     std::string camera;     // its name or number in the file; empty: the first
     std::string animation;  // glTF: the one to play, by name or number; empty: all, the first first
     float shutter_open = 0, shutter_close = 1.0f / 48;  // seconds of the animation
+    std::uint64_t seed = 1;  // procedural: another arrangement
+    float size = 1;          // procedural: how much there is in it
 };
 
 Scene read_scene_file(const std::string& path, const SceneOptions& options,

@@ -5,6 +5,7 @@
 #include "render/affine.h"
 #include "render/check_scene.h"
 #include "render/gltf_maker.h"
+#include "render/procedural_scene.h"
 #include "render/scene_file.h"
 #include "run_node.h"
 
@@ -132,13 +133,46 @@ TEST(ReadScene, TellsWhatItCannotRead) {
     EXPECT_EQ(says("scenes/room.json"),
               "scenes/room.json: no such scene file; tools/scenes fetches the scenes that are not "
               "made by rule");
-    EXPECT_EQ(says("procedural:ches"), "no procedural scene 'ches'; did you mean 'chess'?");
+    EXPECT_EQ(says("procedural:ches"), "procedural:ches: no such scene; did you mean 'chess'?");
+    EXPECT_EQ(says("procedural:"),
+              "procedural:: no such scene; known: leaves, chess, motion, "
+              "occluders, cornell");
     TestFolder folder;
     std::ofstream(folder / "a.fbx") << "something";
     EXPECT_NE(says(folder / "a.fbx").find("not a scene that can be read; expected glTF"),
               std::string::npos);
     EXPECT_EQ(RunNode("read-scene").set("file", "procedural:cornell").out<Scene>("scene").name,
               "cornell");
+}
+
+TEST(ReadScene, AProceduralSceneTakesSeedAndSize) {
+    const auto made = [](const std::string& name, int seed, double size) {
+        return RunNode("read-scene")
+            .set("file", "procedural:" + name)
+            .set("seed", Json(seed))
+            .set("size", Json(size))
+            .out<Scene>("scene");
+    };
+    const Scene here = made("leaves", 3, 0.25), there = procedural_scene("leaves", 3, 0.25f);
+    EXPECT_EQ(here.source, "procedural:leaves, seed 3, size 0.25");
+    ASSERT_EQ(here.instances.size(), there.instances.size());
+    EXPECT_EQ(here.instances.back().to_world, there.instances.back().to_world);
+    EXPECT_NE(here.instances.back().to_world,
+              procedural_scene("leaves", 4, 0.25f).instances.back().to_world);
+    // A file has neither, and a scene made by rule no cameras to choose from.
+    TestFolder folder;
+    std::ofstream(folder / "a.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const std::string file = folder / "a.obj";
+    const auto says = [](RunNode&& node) { return error_of([&] { node.out<Scene>("scene"); }); };
+    EXPECT_EQ(says(std::move(RunNode("read-scene").set("file", Json(file)))), "");
+    EXPECT_EQ(says(std::move(RunNode("read-scene").set("file", Json(file)).set("seed", Json(2)))),
+              file +
+                  ": 'seed' and 'size' make procedural:NAME scenes; a file is as it is: leave "
+                  "them at 1");
+    EXPECT_EQ(says(std::move(
+                  RunNode("read-scene").set("file", "procedural:chess").set("camera", "left"))),
+              "procedural:chess: 'camera' and 'animation' choose among a file's; a scene made by "
+              "rule has one camera and moves as it does: leave them empty");
 }
 
 TEST(ReadScene, KnowsEveryFileThatItReads) {

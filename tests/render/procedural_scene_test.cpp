@@ -56,7 +56,7 @@ TEST(ProceduralScene, HasWhatItIsFor) {
 
 TEST(ProceduralScene, AnUnknownNameIsTold) {
     EXPECT_EQ(error_of([] { procedural_scene("ches"); }),
-              "no procedural scene 'ches'; did you mean 'chess'?");
+              "procedural:ches: no such scene; did you mean 'chess'?");
 }
 
 TEST(ProceduralScene, IsANode) {
