@@ -83,12 +83,12 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
         });
     };
     Filtered filtered(n);
-    LargeArray<float> errors(Smoothing::treatments * s.x.size(), 0.0f);
-    std::vector<std::uint8_t> best(n);
+    Changes changes(s.x.size());
+    std::vector<Treatment> best(n);
     std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
     each([&](size_t begin, size_t end) { WEFT_PICK(filter_samples)(s, by, begin, end, filtered); });
-    each([&](size_t begin, size_t end) { WEFT_PICK(find_errors)(s, filtered, by, begin, end, errors); });
-    each([&](size_t begin, size_t end) { WEFT_PICK(choose)(s, errors, by, begin, end, best); });
+    each([&](size_t begin, size_t end) { WEFT_PICK(find_errors)(s, filtered, by, begin, end, changes); });
+    each([&](size_t begin, size_t end) { WEFT_PICK(choose)(s, changes, by, begin, end, best); });
     each([&](size_t begin, size_t end) { WEFT_PICK(treat)(s, filtered, best, by, begin, end, rgb); });
     return rgb;
 }
@@ -117,7 +117,7 @@ struct SmoothRadiance {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 90 * n, 2000 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 110 * n, 2000 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -149,7 +149,7 @@ struct SmoothRadiance {
     }
 };
 
-WEFT_NODE(SmoothRadiance, "smooth-radiance", 2)
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 3)
 
 }  // namespace
 }  // namespace weft

@@ -139,11 +139,10 @@ void filter_samples(const SampleField& s, const Smoothing& by, size_t begin, siz
 }
 
 void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing& by, size_t begin, size_t end,
-                 std::span<float> errors) {
+                 Changes& out) {
     const VF zero = hn::Zero(f);
     VF per_width[widths];
     for (size_t k = 0; k < widths; ++k) per_width[k] = hn::Set(f, 1.0f / by.width[k]);
-    const size_t pitch = s.x.size();
     Neighbours wide_ones(s, by, by.width[widths - 1]), narrow(s, by, by.width[0]);
     for (size_t at = begin; at < end; ++at) {
         const Place place(s, at);
@@ -180,22 +179,31 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
         const float weight = filtered.weight[at];
         put(widths, sum(sharp.r) / weight, sum(sharp.g) / weight, sum(sharp.b) / weight, (2 - sum(overlap)) / weight);
         const float* mean = guess[widths - 1];
-        for (size_t k = 0; k < treatments; ++k) {
-            float error = 0;
+        const auto off = [&](size_t k, size_t c) {
+            // A sample all alone is predicted by the widest mean, which is itself.
+            return share[k] < 0.999f ? (own[c] - guess[k][c]) / (1 - share[k]) : own[c] - mean[c];
+        };
+        float as_is[3], per_level[3];
+        for (size_t c = 0; c < 3; ++c) {
+            as_is[c] = off(0, c);
+            per_level[c] = 1 / (mean[c] * mean[c] + by.epsilon * by.epsilon);
+        }
+        for (size_t k = 1; k < treatments; ++k) {
+            float gain = 0, way = 0;
             for (size_t c = 0; c < 3; ++c) {
-                // A sample all alone is predicted by the widest mean, which is itself.
-                const float off = share[k] < 0.999f ? (own[c] - guess[k][c]) / (1 - share[k]) : own[c] - mean[c];
-                error += off * off / (mean[c] * mean[c] + by.epsilon * by.epsilon);
+                const float error = off(k, c), apart = error - as_is[c];
+                gain += (error * error - as_is[c] * as_is[c]) * per_level[c];
+                way += apart * apart * per_level[c];
             }
-            errors[k * pitch + at] = error;
+            out.gain[out.at(k, at)] = gain;
+            out.way[out.at(k, at)] = way;
         }
     }
 }
 
-void choose(const SampleField& s, std::span<const float> errors, const Smoothing& by, size_t begin, size_t end,
-            std::vector<std::uint8_t>& best) {
+void choose(const SampleField& s, const Changes& changes, const Smoothing& by, size_t begin, size_t end,
+            std::vector<Treatment>& best) {
     const VF zero = hn::Zero(f), per_window = hn::Set(f, 1.0f / by.window);
-    const size_t pitch = s.x.size();
     // Averages change little from one sample to the next on a surface: the last few choices are taken again.
     constexpr size_t kept = 4;
     size_t last[kept], known = 0;
@@ -215,40 +223,47 @@ void choose(const SampleField& s, std::span<const float> errors, const Smoothing
             continue;
         }
         last[known++ % kept] = at;
-        VF mean[treatments], spread[treatments];
-        for (size_t k = 0; k < treatments; ++k) mean[k] = spread[k] = zero;
+        VF gains[treatments], spread[treatments], ways[treatments];
+        for (size_t k = 1; k < treatments; ++k) gains[k] = spread[k] = ways[k] = zero;
         around.each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
             const VF weight = hn::IfThenElseZero(near, tent(distance, per_window));
-            const VF as_is = hn::LoadU(f, &errors[i]);
             for (size_t k = 1; k < treatments; ++k) {
-                // Against the sample as it is, so that what all have in common falls out.
-                const VF gain = hn::Mul(weight, hn::Sub(hn::LoadU(f, &errors[k * pitch + i]), as_is));
-                mean[k] = hn::Add(mean[k], gain);
+                const VF gain = hn::Mul(weight, hn::LoadU(f, &changes.gain[changes.at(k, i)]));
+                gains[k] = hn::Add(gains[k], gain);
                 spread[k] = hn::MulAdd(gain, gain, spread[k]);
+                ways[k] = hn::MulAdd(weight, hn::LoadU(f, &changes.way[changes.at(k, i)]), ways[k]);
             }
         });
         float least = 0;
-        best[at] = 0;
+        best[at] = {};
         for (size_t k = 1; k < treatments; ++k) {
             const float caution = k == widths ? by.sharp_caution : by.caution;
-            const float score = sum(mean[k]) + caution * std::sqrt(sum(spread[k]));
+            const float gain = sum(gains[k]) + caution * std::sqrt(sum(spread[k])), way = sum(ways[k]);
+            if (!(gain < way)) continue;
+            // Part a of the way from the sample as it is changes the error by a (gain - way) + a^2 way.
+            const float part = std::min(1.0f, 0.5f * (way - gain) / way), score = part * (gain - way + part * way);
             if (score < least) {
                 least = score;
-                best[at] = std::uint8_t(k);
+                best[at] = {std::uint8_t(k), part};
             }
         }
     }
 }
 
-void treat(const SampleField& s, const Filtered& filtered, const std::vector<std::uint8_t>& best, const Smoothing& by,
+void treat(const SampleField& s, const Filtered& filtered, const std::vector<Treatment>& best, const Smoothing& by,
            size_t begin, size_t end, std::span<float> rgb) {
     static_assert(widths == 4);
     Neighbours by_width[widths] = {{s, by, by.width[0]}, {s, by, by.width[1]}, {s, by, by.width[2]}, {s, by, by.width[3]}};
     Neighbours& narrow = by_width[0];
     for (size_t at = begin; at < end; ++at) {
-        const size_t k = best[at];
+        const auto [k, part] = best[at];
         if (k == 0) continue;
+        const float own[3] = {s.r[at], s.g[at], s.b[at]};
         float* to = &rgb[3 * size_t(s.order[at])];
+        const auto put = [&](float r, float g, float b) {
+            const float treated[3] = {r, g, b};
+            for (size_t c = 0; c < 3; ++c) to[c] = own[c] + part * (treated[c] - own[c]);
+        };
         if (k == widths) {
             // Within what its neighbours are, or else one bright sample leaves dark ones around it and grows itself.
             const VF most = hn::Set(f, std::numeric_limits<float>::max());
@@ -258,9 +273,8 @@ void treat(const SampleField& s, const Filtered& filtered, const std::vector<std
                 green.add(near, hn::LoadU(f, &s.g[i]));
                 blue.add(near, hn::LoadU(f, &s.b[i]));
             });
-            to[0] = red.limit(2 * s.r[at] - filtered.r[at]);
-            to[1] = green.limit(2 * s.g[at] - filtered.g[at]);
-            to[2] = blue.limit(2 * s.b[at] - filtered.b[at]);
+            put(red.limit(2 * own[0] - filtered.r[at]), green.limit(2 * own[1] - filtered.g[at]),
+                blue.limit(2 * own[2] - filtered.b[at]));
             continue;
         }
         Sums sums;
@@ -270,9 +284,7 @@ void treat(const SampleField& s, const Filtered& filtered, const std::vector<std
             sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
         });
         const float weight = sum(sums.w);  // 1 at least, the sample's own
-        to[0] = sum(sums.r) / weight;
-        to[1] = sum(sums.g) / weight;
-        to[2] = sum(sums.b) / weight;
+        put(sum(sums.r) / weight, sum(sums.g) / weight, sum(sums.b) / weight);
     }
 }
 

@@ -1,6 +1,6 @@
 // Smoothing of noisy radiance along surfaces, and sharpening of clean detail, as far as the samples
 // themselves say that it does good. For each sample and each treatment its radiance is predicted from its
-// neighbours on its surface, itself left out; the treatment whose predictions are best around it is used.
+// neighbours on its surface, itself left out; the sample goes as far towards one treatment as is best around it.
 //   as it is     what a filter of the narrowest width, a squared tent, will make of the samples later
 //   sharpened    the same of 2 y - (the samples so filtered): its blur is made up for in advance,
 //                within what the neighbours are and a quarter of the least of them, so that an outlier leaves
@@ -9,8 +9,11 @@
 //   neighbours   by position at lens centre and half time; of one surface where slope, velocity and
 //                depth are alike
 //   errors       (sample - prediction)^2 / (wide mean^2 + epsilon^2), averaged over a window
-// Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), twicing (Tukey 1977;
-// Stuetzle and Mittal 1979); own combination.
+//   how far      what makes the error of the two predictions' mix least, there and then: where noise and
+//                structure meet, part of both is kept
+// Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), mixing of predictions by the same
+// errors (Wolpert 1992; Breiman 1996, "Stacked regressions"), twicing (Tukey 1977; Stuetzle and Mittal 1979);
+// own combination.
 // Cost: some 400 neighbours a sample in all, about 1 us.
 // Threads: through the context.
 #pragma once
@@ -66,6 +69,21 @@ struct Filtered {
     explicit Filtered(size_t n);
 };
 
+// What each treatment but the first makes of a sample, against the sample as it is.
+struct Changes {
+    LargeArray<float> gain;  // error less that of the sample as it is: below 0, it gains
+    LargeArray<float> way;   // from the one prediction to the other, squared, as errors are
+    size_t pitch;
+    explicit Changes(size_t n) : gain((Smoothing::treatments - 1) * n, 0.0f), way(gain.size(), 0.0f), pitch(n) {}
+    size_t at(size_t treatment, size_t sample) const { return (treatment - 1) * pitch + sample; }
+};
+
+// What is done to a sample: part of the way from it as it is to treatment `kind`.
+struct Treatment {
+    std::uint8_t kind = 0;
+    float part = 0;
+};
+
 // Cuts memory for arrays of n values and some to spare, all 1, into them.
 template <class... Spans>
 void lay_out(LargeArray<float>& memory, size_t n, Spans&... spans) {
@@ -81,10 +99,10 @@ inline Filtered::Filtered(size_t n) { lay_out(memory, n, r, g, b, weight); }
     namespace isa {                                                                                                  \
     void filter_samples(const SampleField& field, const Smoothing& by, size_t begin, size_t end, Filtered& out);     \
     void find_errors(const SampleField& field, const Filtered& filtered, const Smoothing& by, size_t begin,          \
-                     size_t end, std::span<float> errors);                                                           \
-    void choose(const SampleField& field, std::span<const float> errors, const Smoothing& by, size_t begin,          \
-                size_t end, std::vector<std::uint8_t>& best);                                                        \
-    void treat(const SampleField& field, const Filtered& filtered, const std::vector<std::uint8_t>& best,            \
+                     size_t end, Changes& out);                                                                      \
+    void choose(const SampleField& field, const Changes& changes, const Smoothing& by, size_t begin, size_t end,     \
+                std::vector<Treatment>& best);                                                                       \
+    void treat(const SampleField& field, const Filtered& filtered, const std::vector<Treatment>& best,               \
                const Smoothing& by, size_t begin, size_t end, std::span<float> rgb);                                 \
     }
 WEFT_SMOOTHING_KERNELS(v2)

@@ -184,29 +184,36 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
         const PinnedIsa pinned(isa);
         Filtered filtered(n);
         WEFT_PICK(filter_samples)(s, by, 0, n, filtered);
-        const size_t pitch = s.x.size();
-        std::vector<float> errors(Smoothing::treatments * pitch);
-        WEFT_PICK(find_errors)(s, filtered, by, 0, n, errors);
-        std::vector<std::uint8_t> best(n);
-        WEFT_PICK(choose)(s, errors, by, 0, n, best);
+        Changes changes(s.x.size());
+        WEFT_PICK(find_errors)(s, filtered, by, 0, n, changes);
+        std::vector<Treatment> best(n);
+        WEFT_PICK(choose)(s, changes, by, 0, n, best);
         std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
         WEFT_PICK(treat)(s, filtered, best, by, 0, n, rgb);
 
         for (size_t i = 0; i < n; i += 5) EXPECT_NEAR(filtered.g[i], mean(0, i, radiance[1], n), 1e-4);
         for (size_t i = 0; i < n; i += 11) {
-            double wide[3];
-            for (size_t c = 0; c < 3; ++c) wide[c] = mean(3, i, radiance[c], n);
-            for (size_t k = 0; k < 4; ++k) {
-                double error = 0;
-                for (size_t c = 0; c < 3; ++c) {
-                    const double off = radiance[c][i] - mean(k, i, radiance[c], i);
-                    error += off * off / (wide[c] * wide[c] + 0.04);
-                }
-                // Not where all but nothing is left without the sample.
-                if (std::isfinite(error) && (k > 0 || filtered.weight[i] > 1.01f)) {
-                    EXPECT_NEAR(errors[k * pitch + i], error, 1e-3 * error + 1e-4) << k;
-                }
+            if (filtered.weight[i] < 1.01f) continue;  // all but nothing is left without the sample
+            double wide[3], as_is[3];
+            for (size_t c = 0; c < 3; ++c) {
+                wide[c] = mean(3, i, radiance[c], n);
+                as_is[c] = radiance[c][i] - mean(0, i, radiance[c], i);
             }
+            // What treatment k gains and how far it goes, by what it leaves of each channel.
+            const auto expect = [&](size_t k, auto&& left, double precision) {
+                double gain = 0, way = 0, error = 0;
+                for (size_t c = 0; c < 3; ++c) {
+                    const double off = left(c), level = wide[c] * wide[c] + 0.04;
+                    error += (off * off + as_is[c] * as_is[c]) / level;
+                    gain += (off * off - as_is[c] * as_is[c]) / level;
+                    way += (off - as_is[c]) * (off - as_is[c]) / level;
+                }
+                if (!std::isfinite(error)) return;
+                EXPECT_NEAR(changes.gain[changes.at(k, i)], gain, precision * error + 1e-4) << k;
+                EXPECT_NEAR(changes.way[changes.at(k, i)], way, precision * error + 1e-4) << k;
+            };
+            for (size_t k = 1; k < 4; ++k)
+                expect(k, [&](size_t c) { return radiance[c][i] - mean(k, i, radiance[c], i); }, 1e-3);
             // Sharpened: the sample left out of both filterings, by its share in the result.
             double share = 0, all = 0;
             for (size_t j = 0; j < n; ++j) all += weight(0, i, j);
@@ -216,37 +223,38 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 share += weight(0, i, j) * weight(0, j, i) / (all * of_j);
             }
             share = 2 / all - share;
-            double error = 0;
-            for (size_t c = 0; c < 3; ++c) {
-                const double off = (radiance[c][i] - mean(0, i, sharpened[c], n)) / (1 - share);
-                error += off * off / (wide[c] * wide[c] + 0.04);
-            }
-            if (share < 0.9 && std::isfinite(error)) {
-                EXPECT_NEAR(errors[4 * pitch + i], error, 2e-3 * error + 1e-4);
-            }
+            if (share < 0.9) expect(4, [&](size_t c) { return (radiance[c][i] - mean(0, i, sharpened[c], n)) / (1 - share); }, 2e-3);
         }
         size_t differ = 0, compared = 0;
         for (size_t i = 0; i < n; i += 3) {
-            double best_score = 0, second = 1e9;
+            double best_score = 0, second = 1e9, part = 0;
             size_t expected = 0;
             for (size_t k = 1; k < 5; ++k) {
-                double gain = 0, spread = 0;
+                double gain = 0, spread = 0, way = 0;
                 for (size_t j = 0; j < n; ++j) {
                     const double d = distance(i, j);
                     if (d < 0 || d >= by.window) continue;
-                    const double g = (1 - d / by.window) * double(errors[k * pitch + j] - errors[j]);
+                    const double g = (1 - d / by.window) * double(changes.gain[changes.at(k, j)]);
                     gain += g;
                     spread += g * g;
+                    way += (1 - d / by.window) * double(changes.way[changes.at(k, j)]);
                 }
-                const double score = gain + (k == 4 ? by.sharp_caution : by.caution) * std::sqrt(spread);
-                if (score < best_score) second = best_score, best_score = score, expected = k;
+                gain += (k == 4 ? by.sharp_caution : by.caution) * std::sqrt(spread);
+                // The least error of all mixes, by trying them.
+                double score = 0, of_it = 0;
+                for (int step = 1; step <= 1000; ++step) {
+                    const double a = 0.001 * step, error = a * (gain - way) + a * a * way;
+                    if (error < score) score = error, of_it = a;
+                }
+                if (score < best_score) second = best_score, best_score = score, expected = k, part = of_it;
                 else second = std::min(second, score);
             }
             if (second - best_score < 1e-3 || (expected == 0 && second < 1e-3)) continue;
             // A choice may have been taken over from a neighbour on the surface.
-            differ += best[i] != expected;
+            const bool same = best[i].kind == expected && std::abs(best[i].part - part) < 2e-3;
+            differ += !same;
             ++compared;
-            if (best[i] != expected) continue;
+            if (!same) continue;
             double least = radiance[0][i], greatest = least;
             for (size_t j = 0; j < n; ++j) {
                 if (weight(0, i, j) == 0) continue;
@@ -254,7 +262,8 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 greatest = std::max(greatest, radiance[0][j]);
             }
             const double past = 0.25 * least, sharp = std::clamp(sharpened[0][i], least - past, greatest + past);
-            const double red = expected == 0 ? radiance[0][i] : expected == 4 ? sharp : mean(expected, i, radiance[0], n);
+            const double treated = expected == 0 ? radiance[0][i] : expected == 4 ? sharp : mean(expected, i, radiance[0], n);
+            const double red = radiance[0][i] + double(best[i].part) * (treated - radiance[0][i]);
             if (std::isfinite(red)) {
                 EXPECT_NEAR(rgb[3 * s.order[i]], red, 1e-4);
             }
