@@ -10,8 +10,6 @@
 namespace weft::render {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-
 struct Place {
     size_t index;
     float part;  // in [0, 1), of the step

@@ -33,6 +33,7 @@ struct Object {
 };
 
 inline constexpr std::uint32_t no_object = 0xffffffff;
+inline constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Which things a ray meets.
 enum RayMask : std::uint32_t { solid_mask = 1, cutout_mask = 2, light_mask = 4, every_mask = 7 };
