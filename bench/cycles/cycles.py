@@ -7,9 +7,10 @@ Blender's Cycles, on the CPU: do they agree within the noise of both, and what d
 
 Each renderer makes two pictures from different seeds. Their difference is the noise; if the renderers agree, the
 difference between their means has the same size: `excess`, the ratio of the two variances, is 1 but for chance.
-Means over blocks of pixels have less noise, so there a smaller disagreement shows. One is known: Cycles reads the time of
-a ray from a table of 256 entries and is 1/256 of the shutter early, which moves the ball's streak by 0.16 pixels. So half
-a per cent of the picture's value is allowed in blocks. --still takes the motion away, and then nothing is.
+Means over blocks of pixels have less noise, so there a smaller disagreement shows. One is known: the moving ball's streak
+lies 0.16 pixels from ours, as if Cycles' times were 1/256 of the shutter early. That fraction is a fit to these pictures:
+a table of 256 times would explain it, but nothing here proves that it is the cause. So half a per cent of the picture's
+value is allowed in blocks. --still takes the motion away, and then nothing is.
 Status 0: they agree (or Blender is not installed: skipped, with a word); 1: they do not.
 
 Blender is Debian's package (blender, 3.4). Things are placed in Blender with Weft's coordinates (y up): all that counts
