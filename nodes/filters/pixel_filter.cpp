@@ -6,6 +6,7 @@
 
 #include "filters/component_name.h"
 #include "filters/pixel_filter_kernel.h"
+#include "filters/pixel_filter_parameters.h"
 #include "image/image.h"
 #include "runtime/node.h"
 
@@ -14,9 +15,8 @@ namespace {
 
 enum class Rule { box, tent, gaussian, mitchell, lanczos, blackman_harris, nearest };
 
-struct PixelFilterNode {
+struct PixelFilterNode : FilterChoice {
     Rule filter = Rule::box;
-    float width = 0, sigma = 0.5f, b = 1.0f / 3, c = 1.0f / 3, tau = 3;
     std::vector<std::string> channels{"rgb"};
     bool alpha = false;
 
@@ -27,20 +27,9 @@ struct PixelFilterNode {
             .in<Samples>("samples", "any samples a pixel, constant or not; weight is honoured")
             .out<Image>("image", "the channels asked for; pixels that no sample reaches are 0")
             .choice("filter", &PixelFilterNode::filter, rules,
-                    {.about = "nearest: the one sample next to the centre"})
-            .param("width", &PixelFilterNode::width,
-                   {.unit = "px",
-                    .min = 0,
-                    .max = 32,
-                    .about = "all across; 0: the filter's own (box 1, tent 2, gaussian 3, mitchell "
-                             "4, lanczos 6, blackman-harris 3)"})
-            .param("sigma", &PixelFilterNode::sigma,
-                   {.unit = "px", .min = 0.01, .max = 32, .about = "gaussian: standard deviation"})
-            .param("b", &PixelFilterNode::b, {.min = -3, .max = 3, .about = "mitchell: B, blur"})
-            .param("c", &PixelFilterNode::c, {.min = -3, .max = 3, .about = "mitchell: C, ringing"})
-            .param("tau", &PixelFilterNode::tau,
-                   {.unit = "px", .min = 0.5, .max = 32, .about = "lanczos: where its window ends"})
-            .param("channels", &PixelFilterNode::channels,
+                    {.about = "nearest: the one sample next to the centre"});
+        declare_filter_sizes(node, 32);
+        node.param("channels", &PixelFilterNode::channels,
                    {.about =
                         "of the samples, as rgb, z, normal; one of three components becomes R G B"})
             .param("alpha", &PixelFilterNode::alpha,
@@ -65,8 +54,9 @@ struct PixelFilterNode {
     static constexpr int rows_at_once = 16;
 
     PixelFilter chosen() const {
-        const FilterKind kind = filter == Rule::nearest ? FilterKind::box : FilterKind(filter);
-        return make_filter({kind, width, sigma, b, c, tau});
+        FilterChoice choice = *this;
+        choice.kind = filter == Rule::nearest ? FilterKind::box : FilterKind(filter);
+        return make_filter(choice);
     }
     std::vector<const Channel*> wanted(const Samples& samples) const;
     static std::vector<std::string> names_of(const std::vector<const Channel*>& channels);

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "filters/pixel_filters.h"
+#include "filters/pixel_filter_parameters.h"
 #include "image/image.h"
 #include "light-field/color_space_bytes.h"
 #include "light-field/streams.h"
@@ -16,23 +16,16 @@
 namespace weft {
 namespace {
 
-struct Accumulate {
-    FilterKind filter = FilterKind::box;
-    float width = 0, sigma = 0.5f, b = 1.0f / 3, c = 1.0f / 3, tau = 3;
+struct Accumulate : FilterChoice {
     bool alpha = false;
 
     static void declare(Ports<Accumulate>& node) {
         node.about("a picture from the radiance of its locations")
             .in<Colors>("colors", "radiance of each location")
             .in<Locations>("locations", "where they lie; needed by filters other than the box of one pixel", Need::optional)
-            .out<Image>("image", "R G B, and A if asked for; 0 where a pixel has no location")
-            .choice("filter", &Accumulate::filter, filter_names(), {.about = "pixel filter"})
-            .param("width", &Accumulate::width, {.unit = "px", .min = 0, .max = 16, .about = "of the filter; 0: its own"})
-            .param("sigma", &Accumulate::sigma, {.unit = "px", .min = 0.05, .max = 8, .about = "of the Gaussian"})
-            .param("b", &Accumulate::b, {.min = 0, .max = 1, .about = "of the Mitchell filter"})
-            .param("c", &Accumulate::c, {.min = 0, .max = 1, .about = "of the Mitchell filter"})
-            .param("tau", &Accumulate::tau, {.unit = "px", .min = 0.5, .max = 16, .about = "where the Lanczos window ends"})
-            .param("alpha", &Accumulate::alpha,
+            .out<Image>("image", "R G B, and A if asked for; 0 where a pixel has no location");
+        declare_filter(node);
+        node.param("alpha", &Accumulate::alpha,
                    {.about = "keep A, the part covered by anything but background: for compositing. Without it the background is part of the picture"});
     }
 
@@ -51,7 +44,7 @@ struct Accumulate {
         std::atomic<const std::string*> color_space = nullptr;
     };
 
-    PixelFilter pixel_filter() const { return make_filter({filter, width, sigma, b, c, tau}); }
+    PixelFilter pixel_filter() const { return make_filter(*this); }
     // A location's own pixel centre is at most half a pixel away.
     int around() const {
         const PixelFilter f = pixel_filter();

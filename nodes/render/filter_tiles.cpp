@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "filters/pixel_filters.h"
+#include "filters/pixel_filter_parameters.h"
 #include "image/image.h"
 #include "render/rendered_tiles.h"
 #include "runtime/node.h"
@@ -14,9 +14,7 @@
 namespace weft::render {
 namespace {
 
-struct FilterTiles {
-    FilterKind filter = FilterKind::box;
-    float width = 0, sigma = 0.5f, b = 1.0f / 3, c = 1.0f / 3, tau = 3;
+struct FilterTiles : FilterChoice {
     bool alpha = false;
 
     static void declare(Ports<FilterTiles>& node) {
@@ -24,17 +22,9 @@ struct FilterTiles {
             .in<RenderedTiles>("samples", "of render-tiles")
             .out<Image>("image", "R G B, and A if asked for; 0 where no sample reaches")
             .out<Image>("variance",
-                        "R G B: of the mean of a pixel's own samples, estimated from their spread")
-            .choice("filter", &FilterTiles::filter, filter_names(), {.about = "pixel filter"})
-            .param("width", &FilterTiles::width,
-                   {.unit = "px", .min = 0, .max = 16, .about = "all across; 0: the filter's own"})
-            .param("sigma", &FilterTiles::sigma,
-                   {.unit = "px", .min = 0.05, .max = 8, .about = "gaussian: standard deviation"})
-            .param("b", &FilterTiles::b, {.min = -3, .max = 3, .about = "mitchell: B, blur"})
-            .param("c", &FilterTiles::c, {.min = -3, .max = 3, .about = "mitchell: C, ringing"})
-            .param("tau", &FilterTiles::tau,
-                   {.unit = "px", .min = 0.5, .max = 16, .about = "lanczos: where its window ends"})
-            .param("alpha", &FilterTiles::alpha,
+                        "R G B: of the mean of a pixel's own samples, estimated from their spread");
+        declare_filter(node);
+        node.param("alpha", &FilterTiles::alpha,
                    {.about = "adds coverage as A, where the samples have it"});
     }
 
@@ -60,7 +50,7 @@ struct FilterTiles {
         const RenderedHead* head = nullptr;
     };
 
-    PixelFilter shape() const { return make_filter({filter, width, sigma, b, c, tau}); }
+    PixelFilter shape() const { return make_filter(*this); }
     int around() const {
         const PixelFilter f = shape();
         return is_pixel_box(f) ? 0 : std::max(0, int(std::ceil(radius_of(f) + 0.5f)) - 1);
