@@ -127,7 +127,7 @@ struct RenderSamples : RenderSamplesNode {
     }
 };
 
-WEFT_NODE(RenderSamples, "render-samples", 1);
+WEFT_NODE(RenderSamples, "render-samples", 2);
 
 }  // namespace
 }  // namespace weft::render

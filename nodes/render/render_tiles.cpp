@@ -83,7 +83,7 @@ struct RenderTiles : RenderSamplesNode {
     }
 };
 
-WEFT_NODE(RenderTiles, "render-tiles", 1);
+WEFT_NODE(RenderTiles, "render-tiles", 2);
 
 }  // namespace
 }  // namespace weft::render

@@ -9,12 +9,14 @@
 
 namespace weft {
 
-// A surface's texture coordinates in a map's own: offset + rotate(scale * uv, rotation).
+// A surface's texture coordinates in a map's own: offset + rotate(scale * uv, rotation), turned
+// counter-clockwise as seen with u to the right and v down. (The listing in the extension's text
+// turns the other way; its words and its example are meant.)
 inline Vec2 place(const TextureMap& map, Vec2 uv) {
     const Vec2 s{map.scale.x * uv.x, map.scale.y * uv.y};
     if (map.rotation == 0) return {map.offset.x + s.x, map.offset.y + s.y};
     const float c = std::cos(map.rotation), r = std::sin(map.rotation);
-    return {map.offset.x + c * s.x - r * s.y, map.offset.y + r * s.x + c * s.y};
+    return {map.offset.x + c * s.x + r * s.y, map.offset.y - r * s.x + c * s.y};
 }
 
 class Textures {

@@ -169,6 +169,20 @@ TEST(Textures, Wrap) {
         }
 }
 
+// The example of KHR_texture_transform: the lower left quarter of the picture, turned clockwise.
+TEST(Textures, RotationIsThatOfGltf) {
+    TextureMap map;
+    map.offset = {0, 1}, map.rotation = 1.57079632679f, map.scale = {0.5f, 0.5f};
+    const auto expect_near = [&](Vec2 uv, Vec2 expected) {
+        EXPECT_NEAR(place(map, uv).x, expected.x, 1e-6);
+        EXPECT_NEAR(place(map, uv).y, expected.y, 1e-6);
+    };
+    expect_near({0, 0}, {0, 1});  // a surface's upper left corner shows the picture's lower left
+    expect_near({1, 0}, {0, 0.5f});
+    expect_near({0, 1}, {0.5f, 1});
+    expect_near({1, 1}, {0.5f, 0.5f});
+}
+
 TEST(Textures, AreTheSameWhateverWasAskedBeforeAndFromAllThreads) {
     Image image(1024, 1024, 3);
     for (size_t i = 0; i < image.pixels().size(); ++i) image.pixels()[i] = unit_float(mix(i));
