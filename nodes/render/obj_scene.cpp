@@ -1,7 +1,7 @@
 // Wavefront OBJ with its MTL -> Scene: a mesh a material. Polygons are cut into triangles; where
 // the file has no normals they are made within its smoothing groups. y is up.
 //   materials  Kd, map_Kd, Ke, map_Ke, Ks and Ns as a gloss, Pr, Pm, d as thin glass, map_d as a
-//              cutout, norm; bump maps are left out
+//              cutout, norm, map_Bump with -bm
 #include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <tuple>
 #include <unordered_map>
 
 #include "graph/error.h"
@@ -166,9 +167,10 @@ class Reader {
             out.roughness = std::min(out.roughness, 0.05f);
         }
         out.normal_map = map(m.normal_texname, m.normal_texopt, false, m.name);
-        if (!m.bump_texname.empty() && !out.normal_map.used())
-            warnings_.push_back(
-                fmt::format("{}: material '{}': its bump map is left out", path_, m.name));
+        const float bump = m.bump_texopt.bump_multiplier;
+        if (!out.normal_map.used() && bump != 0)
+            out.normal_map = map(m.bump_texname, m.bump_texopt, false, m.name,
+                                 std::isfinite(bump) ? std::clamp(bump, -1e3f, 1e3f) : 1);
         return out;
     }
 
@@ -184,7 +186,7 @@ class Reader {
     }
 
     TextureMap map(const std::string& name, const tinyobj::texture_option_t& how, bool is_color,
-                   const std::string& material) {
+                   const std::string& material, float bump = 0) {
         TextureMap out;
         if (name.empty()) return out;
         const std::string path = (folder_ / slashes(name)).string();
@@ -194,8 +196,8 @@ class Reader {
             return out;
         }
         const auto [known, fresh] =
-            textures_.try_emplace({path, is_color}, int(scene_.textures.size()));
-        if (fresh) scene_.textures.push_back({path, nullptr, is_color});
+            textures_.try_emplace({path, is_color, bump}, int(scene_.textures.size()));
+        if (fresh) scene_.textures.push_back({path, nullptr, is_color, bump});
         out.file = known->second;
         const auto number = [](float v, float fallback) { return std::isfinite(v) ? v : fallback; };
         const float su = number(how.scale[0], 1), sv = number(how.scale[1], 1);
@@ -309,7 +311,7 @@ class Reader {
     std::vector<tinyobj::shape_t> shapes_;
     std::vector<tinyobj::material_t> materials_;
     Scene scene_;
-    std::map<std::pair<std::string, bool>, int> textures_;
+    std::map<std::tuple<std::string, bool, float>, int> textures_;
 };
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include <mutex>
 
 #include "image/oiio_open.h"
+#include "render/bump_map.h"
 #include "render/texture_pyramid.h"
 
 namespace weft {
@@ -280,7 +281,8 @@ class CachedTextures final : public Textures {
         std::vector<float> values(size_t(width) * size_t(channels) * strip);
         std::vector<float> rgb(size_t(width) * 3);
         int begin = 0, end = 0;
-        const auto row = [&](int y, TexturePixel* pixels) {
+        // Reads row y; `rgb` then holds its colours, what it returns all its channels.
+        const auto read = [&](int y) {
             if (y >= end) {
                 begin = y, end = std::min(y + strip, spec.height);
                 // Pictures in tiles are read in rows of tiles.
@@ -305,14 +307,28 @@ class CachedTextures final : public Textures {
                 for (int c = 0; c < 3; ++c) rgb[size_t(3 * x + c)] = p[colored ? c : 0] * a;
             }
             if (source.color) options_.to_scene(space, rgb.data(), size_t(width));
+            return in;
+        };
+        std::vector<float> bumps;
+        if (source.bump != 0) {
+            bumps.reserve(rgb.size() * size_t(spec.height));
+            for (int y = 0; y < spec.height; ++y) {
+                read(y);
+                bumps.insert(bumps.end(), rgb.begin(), rgb.end());
+            }
+            bumps_to_normals(bumps, width, spec.height, source.bump);
+        }
+        const auto row = [&](int y, TexturePixel* pixels) {
+            const float* in = bumps.empty() ? read(y) : nullptr;
+            const float* from = in ? rgb.data() : &bumps[rgb.size() * size_t(y)];
             for (int x = 0; x < width; ++x) {
                 for (size_t c = 0; c < 3; ++c) {
-                    const float v = rgb[3 * size_t(x) + c];
+                    const float v = from[3 * size_t(x) + c];
                     pixels[x][c] =
                         Imath::half(std::isfinite(v) ? std::clamp(v, -65504.0f, 65504.0f) : 0);
                 }
                 const float a =
-                    alpha >= 0 ? in[size_t(x) * size_t(channels) + size_t(alpha)] : 1.0f;
+                    in && alpha >= 0 ? in[size_t(x) * size_t(channels) + size_t(alpha)] : 1.0f;
                 pixels[x][3] = Imath::half(a >= 0 ? std::min(a, 1.0f) : 0.0f);
             }
         };

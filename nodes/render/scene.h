@@ -37,6 +37,8 @@ struct TextureFile {
     std::string path;  // what messages call it; the file, where `bytes` is null
     std::shared_ptr<const std::string> bytes;  // an encoded picture inside a scene file
     bool color = true;  // sRGB-encoded unless the file is float; false: numbers as they are
+    float bump = 0;     // not 0: numbers that are heights, white `bump` texels above black; what is
+                        // looked up is the normal map that they make
 };
 
 // A texture at a place of a material. Sampled at offset + rotate(scale * uv, rotation).

@@ -79,14 +79,20 @@ TEST(Obj, SmoothingGroupsMakeNormals) {
     EXPECT_EQ(given.meshes[0].normals[0], (Vec3{0, 0, 1}));
 }
 
+// m.mtl, and files in the place of the pictures that it names.
+void write_materials(const TestFolder& folder, const std::string& mtl,
+                     const std::vector<std::string>& pictures) {
+    std::ofstream(folder / "m.mtl") << mtl;
+    for (const std::string& name : pictures) std::ofstream(folder / name) << "a picture";
+}
+
 TEST(Obj, FacesAreGatheredByMaterial) {
     TestFolder folder;
-    std::ofstream(folder / "m.mtl")
-        << "newmtl red\nKd 0.8 0.1 0.1\nnewmtl glass\nKd 0 0 0\nKs 1 1 1\nNs 900\nd 0.1\n"
-           "newmtl leaf\nKd 1 1 1\nmap_Kd tree.png\nmap_d mask.png\n"
-           "newmtl lamp\nKd 0 0 0\nKe 5 4 3\n";
-    std::ofstream(folder / "tree.png") << "a picture";
-    std::ofstream(folder / "mask.png") << "another";
+    write_materials(folder,
+                    "newmtl red\nKd 0.8 0.1 0.1\nnewmtl glass\nKd 0 0 0\nKs 1 1 1\nNs 900\nd 0.1\n"
+                    "newmtl leaf\nKd 1 1 1\nmap_Kd tree.png\nmap_d mask.png\n"
+                    "newmtl lamp\nKd 0 0 0\nKe 5 4 3\n",
+                    {"tree.png", "mask.png"});
     const Scene scene =
         read("mtllib m.mtl\n" + square +
                  "g a\nusemtl red\nf 1 2 3\ng b\nusemtl glass\nf 1 3 4\ng c\nusemtl red\nf 2 3 4\n"
@@ -103,6 +109,30 @@ TEST(Obj, FacesAreGatheredByMaterial) {
     EXPECT_EQ(scene.textures[0].path, folder / "tree.png");
     EXPECT_FALSE(scene.textures[1].color);
     EXPECT_EQ(scene.materials[3].emission, (Vec3{5, 4, 3}));
+}
+
+TEST(Obj, BumpAndNormalMaps) {
+    TestFolder folder;
+    write_materials(folder,
+                    "newmtl a\nmap_Bump -bm 0.5 brick.png\nnewmtl b\nbump brick.png\nnewmtl c\n"
+                    "map_bump brick.png\nnorm flat.png\nnewmtl d\nbump -bm 0 brick.png\n"
+                    "newmtl e\nbump gone.png\nnewmtl f\nmap_Kd brick.png\nbump -bm 0.5 brick.png\n",
+                    {"brick.png", "flat.png"});
+    const Scene scene = read("mtllib m.mtl\n" + square + "f 1/1 2/2 3/3\n", folder / "test.obj");
+    const auto texture = [&](size_t m) -> const TextureFile& {
+        return scene.textures[size_t(scene.materials[m].normal_map.file)];
+    };
+    EXPECT_EQ(texture(0).path, folder / "brick.png");
+    EXPECT_EQ(texture(0).bump, 0.5f);
+    EXPECT_FALSE(texture(0).color);
+    EXPECT_EQ(texture(1).bump, 1);
+    EXPECT_EQ(texture(2).path, folder / "flat.png");  // a normal map says more
+    EXPECT_EQ(texture(2).bump, 0);
+    EXPECT_FALSE(scene.materials[3].normal_map.used());
+    EXPECT_FALSE(scene.materials[4].normal_map.used());
+    EXPECT_EQ(warnings[0], folder / "test.obj" + ": material 'e': no picture 'gone.png'; left out");
+    EXPECT_EQ(&texture(5), &texture(0));
+    EXPECT_EQ(scene.textures.size(), 4u);  // as heights twice, as normals, as colours
 }
 
 TEST(Obj, BrokenFilesAreTold) {

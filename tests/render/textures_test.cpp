@@ -216,6 +216,47 @@ TEST(Textures, AreTheSameWhateverWasAskedBeforeAndFromAllThreads) {
     for (const auto& f : found) EXPECT_EQ(f, expected);
 }
 
+TEST(Textures, HeightsBecomeTheNormalsThatTheyMake) {
+    // A hill along x: up 0.2 a texel, then down as much; white is 5 texels above black.
+    Image hill(8, 8, 1);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) hill.at(x, y)[0] = 0.2f * float(x < 4 ? x : 8 - x);
+    Scene scene = scene_with({{"hill.png", png(hill), false, 5}});
+    const auto at = [&](const Scene& s, int x, int y) {
+        const auto c = one(*open_textures(s), 0, {(float(x) + 0.5f) / 8, (float(y) + 0.5f) / 8});
+        return Vec3{2 * c[0] - 1, 2 * c[1] - 1, 2 * c[2] - 1};
+    };
+    const auto expect_near = [](Vec3 n, Vec3 expected) {
+        EXPECT_LT(length(n - unit(expected)), 2e-3f) << n.x << " " << n.y << " " << n.z;
+    };
+    expect_near(at(scene, 2, 3), {-1, 0, 1});  // 45 degrees: it looks to the left
+    expect_near(at(scene, 6, 3), {1, 0, 1});
+    expect_near(at(scene, 4, 3), {0, 0, 1});
+    expect_near(at(scene, 0, 3), {0, 0, 1});  // the valley, across the picture's edge
+    scene.textures[0].bump = -2.5f;
+    expect_near(at(scene, 2, 3), {0.5f, 0, 1});
+    // Upright: what rises down the picture looks up it.
+    Image slope(8, 8, 1);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) slope.at(x, y)[0] = 0.1f * float(y);
+    scene = scene_with({{"slope.png", png(slope), false, 10}});
+    expect_near(at(scene, 3, 4), {0, 1, 1});
+    // A normal map in the place of heights is itself; a grey as long as a normal is not one.
+    Image normals(8, 8, 3);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) {
+            const Vec3 n = unit(Vec3{0.1f * float(x - 4), 0.1f * float(y - 4), 1});
+            for (size_t c = 0; c < 3; ++c)
+                normals.at(x, y)[c] = 0.5f + 0.5f * (c == 0 ? n.x : c == 1 ? n.y : n.z);
+        }
+    scene = scene_with({{"normals.png", png(normals), false, 5}});
+    expect_near(at(scene, 6, 1), {0.2f, -0.3f, 1});
+    Image grey(8, 8, 3);
+    for (float& v : grey.pixels()) v = 0.5f + 0.5f / std::sqrt(3.0f);
+    scene = scene_with({{"grey.png", png(grey), false, 5}});
+    expect_near(at(scene, 6, 1), {0, 0, 1});
+}
+
 TEST(Textures, FloatFilesAreLinearAlready) {
     TestFolder folder;
     Image image(4, 4, 3);
