@@ -94,6 +94,7 @@ class Reader {
         for (int i = 0; i <= (still ? 0 : samples); ++i)
             times_.push_back(options_.shutter_open +
                              (options_.shutter_close - options_.shutter_open) * float(i) / samples);
+        if (!still) times_.back() = options_.shutter_close;  // without rounding
         while (!open.empty()) {
             const size_t node = open.back();
             open.pop_back();
@@ -265,6 +266,8 @@ class Reader {
         warnings_.push_back(
             fmt::format("{}: it has no camera; one that sees all of it is taken", file_.path()));
         scene_.camera = camera_around(scene_);
+        scene_.camera.shutter_open = options_.shutter_open;
+        scene_.camera.shutter_close = options_.shutter_close;
     }
 
     void add_light(size_t node) {

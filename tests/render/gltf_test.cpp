@@ -277,6 +277,57 @@ TEST(Gltf, ForeignTestFilesNeverCrash) {
                       std::string::npos)
                 << e.what();
             ++refused;
+// Where things are when the shutter opens and when it closes: not near it, there.
+TEST(Gltf, BothEndsOfTheShutterAreExact) {
+    // At time t: node 0 is t to the right, the joint t up, the weight t.
+    Triangle t;
+    const int times = t.floats({0, 1}, "SCALAR"), right = t.floats({0, 0, 0, 1, 0, 0}, "VEC3");
+    const int up = t.floats({0, 0, 0, 0, 1, 0}, "VEC3"), weight = t.floats({0, 1}, "SCALAR");
+    const int target = t.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+    const int joints = t.shorts({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+    const int shares = t.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+    const auto bytes = [&](const std::string& interpolation) {
+        return t.text(fmt::format(
+            R"("nodes":[{{"mesh":0}},{{"mesh":1}},{{"mesh":2,"skin":0}},{{}}],"skins":[{{"joints":[3]}}],"meshes":[)"
+            R"({{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}},)"
+            R"({{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"targets":[{{"POSITION":{0}}}]}}]}},)"
+            R"({{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":{1},"WEIGHTS_0":{2}}},"indices":1}}]}}],)"
+            R"("animations":[{{"samplers":[{{"input":{3},"output":{4},"interpolation":"{7}"}},{{"input":{3},"output":{5},"interpolation":"{7}"}},{{"input":{3},"output":{6},"interpolation":"{7}"}}],)"
+            R"("channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}},{{"sampler":1,"target":{{"node":1,"path":"weights"}}}},{{"sampler":2,"target":{{"node":3,"path":"translation"}}}}]}}])",
+            target, joints, shares, times, right, weight, up, interpolation));
+    };
+    // Ends that a step of a sixteenth does not meet by itself.
+    for (const auto& [open, close] : {std::pair{0.1f, 0.7f}, std::pair{0.3f, 0.9f},
+                                      std::pair{1.0f / 3, 1.0f / 3 + 1.0f / 48}}) {
+        const Scene scene = read(bytes("LINEAR"), {"", "", open, close});
+        const auto& keys = scene.instances[0].to_world;
+        ASSERT_EQ(keys.size(), 2u);
+        EXPECT_EQ(keys.front().origin, (Vec3{open, 0, 0}));
+        EXPECT_EQ(keys.back().origin, (Vec3{close, 0, 0}));
+        ASSERT_EQ(scene.meshes[1].steps, 2);
+        EXPECT_EQ(scene.meshes[1].positions[0], (Vec3{0, 0, open}));
+        EXPECT_EQ(scene.meshes[1].positions[3], (Vec3{0, 0, close}));
+        ASSERT_EQ(scene.meshes[2].steps, 2);
+        EXPECT_EQ(scene.meshes[2].positions[0], (Vec3{0, open, 0}));
+        EXPECT_EQ(scene.meshes[2].positions[3], (Vec3{0, close, 0}));
+        EXPECT_EQ(scene.camera.shutter_open, open);
+        EXPECT_EQ(scene.camera.shutter_close, close);
+    }
+    // A jump at the very end is seen there, one just after is not; before and after the animation
+    // its first and last key hold.
+    Scene scene = read(bytes("STEP"), {"", "", 0.3f, 1});
+    EXPECT_EQ(scene.instances[0].to_world.back().origin.x, 1);
+    EXPECT_EQ(scene.meshes[1].positions[3].z, 1);
+    scene = read(bytes("STEP"), {"", "", 0.3f, std::nextafter(1.0f, 0.0f)});
+    EXPECT_EQ(scene.instances[0].to_world.size(), 1u);
+    EXPECT_EQ(scene.meshes[1].steps, 1);
+    scene = read(bytes("LINEAR"), {"", "", -1, 2});
+    EXPECT_EQ(scene.meshes[2].positions[0].y, 0);
+    EXPECT_EQ(scene.meshes[2].positions[3].y, 1);
+    EXPECT_EQ(scene.instances[0].to_world.front().origin.x, 0);
+    EXPECT_EQ(scene.instances[0].to_world.back().origin.x, 1);
+}
+
         }
     }
     EXPECT_GT(read_well, 20u);
