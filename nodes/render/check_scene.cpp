@@ -35,6 +35,9 @@ void check_map(const TextureMap& map, const Scene& scene, const std::string& wha
                 std::isfinite(map.scale.x) && std::isfinite(map.scale.y) &&
                 std::isfinite(map.rotation),
             what, "a texture's place is not finite");
+    require(map.uv_set == 0 || map.uv_set == 1, what,
+            fmt::format("a texture reads set {} of texture coordinates; there are 0 and 1",
+                        map.uv_set));
 }
 
 void check_material(const Material& m, const Scene& scene, const std::string& what) {
@@ -49,9 +52,7 @@ void check_material(const Material& m, const Scene& scene, const std::string& wh
     require(m.ior >= 1 && m.ior <= 10, what, fmt::format("ior is {}; expected 1 to 10", m.ior));
     require(std::isfinite(m.alpha_cutoff) && std::isfinite(m.normal_scale), what,
             "alpha cutoff or normal scale is not finite");
-    for (const TextureMap* map : {&m.base_color_map, &m.metallic_roughness_map, &m.emission_map,
-                                  &m.alpha_map, &m.normal_map})
-        check_map(*map, scene, what);
+    for (const TextureMap* map : m.maps()) check_map(*map, scene, what);
 }
 
 void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& what) {
@@ -59,8 +60,13 @@ void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& what) {
             fmt::format("{} positions in {} keys", mesh.positions.size(), mesh.steps));
     require(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size(), what,
             fmt::format("{} normals for {} positions", mesh.normals.size(), mesh.positions.size()));
-    require(mesh.uv.empty() || mesh.uv.size() == mesh.vertices(), what,
-            fmt::format("{} uv for {} vertices", mesh.uv.size(), mesh.vertices()));
+    for (const auto* uv : {&mesh.uv, &mesh.uv2}) {
+        require(uv->empty() || uv->size() == mesh.vertices(), what,
+                fmt::format("{} uv for {} vertices", uv->size(), mesh.vertices()));
+        for (size_t i = 0; i < uv->size(); ++i)
+            require(std::isfinite((*uv)[i].x) && std::isfinite((*uv)[i].y), what,
+                    fmt::format("uv {} is not finite", i));
+    }
     require(mesh.material >= 0 && mesh.material < int(scene.materials.size()), what,
             fmt::format("material {} of {}", mesh.material, scene.materials.size()));
     for (size_t i = 0; i < mesh.positions.size(); ++i)
@@ -68,9 +74,6 @@ void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& what) {
     for (size_t i = 0; i < mesh.normals.size(); ++i)
         require(std::fabs(dot(mesh.normals[i], mesh.normals[i]) - 1) < 1e-3f, what,
                 fmt::format("normal {} is not unit", i));
-    for (size_t i = 0; i < mesh.uv.size(); ++i)
-        require(std::isfinite(mesh.uv[i].x) && std::isfinite(mesh.uv[i].y), what,
-                fmt::format("uv {} is not finite", i));
     for (size_t i = 0; i < mesh.triangles.size(); ++i)
         for (const std::uint32_t v : mesh.triangles[i])
             require(v < mesh.vertices(), what,

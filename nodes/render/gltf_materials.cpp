@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 namespace weft {
 namespace {
@@ -49,11 +48,11 @@ class Reader {
     Reader(const GltfFile& file, Scene& scene, std::vector<std::string>& warnings)
         : file_(file), model_(file.model()), scene_(scene), warnings_(warnings) {}
 
-    // The material, and the set of texture coordinates that it reads.
-    Material material(const tinygltf::Material& m, size_t i, int& set) {
+    // The material, and the sets of texture coordinates that it reads.
+    Material material(const tinygltf::Material& m, size_t i, GltfUvSets& sets) {
         what_ = m.name.empty() ? fmt::format("material {}", i)
                                : fmt::format("material {} ('{}')", i, m.name);
-        set_.reset();
+        sets_.clear();
         Material out;
         out.name = m.name.empty() ? fmt::format("material {}", i) : m.name;
         const auto& pbr = m.pbrMetallicRoughness;
@@ -84,7 +83,7 @@ class Reader {
             out.alpha_map = out.base_color_map;
         else
             out.opacity = 1;
-        set = set_.value_or(0);
+        sets = sets_;
         return out;
     }
 
@@ -106,23 +105,27 @@ class Reader {
             out.ior = clamped(number(*v, "ior", 1.5f), 1, 10, 1.5);
         if (const Value* v = extension(m.extensions, "KHR_materials_transmission")) {
             out.transmission = clamped(number(*v, "transmissionFactor", 0), 0, 1, 0);
-            if (member(*v, "transmissionTexture"))
-                warnings_.push_back(fmt::format("{}: {}: its transmission texture is left out",
-                                                file_.path(), what_));
+            if (const Value* t = member(*v, "transmissionTexture"))
+                out.transmission_map = map(*t, false);
         }
         // A body of glass bends light; without a volume the surface is a thin sheet.
         if (const Value* v = extension(m.extensions, "KHR_materials_volume"))
-            if (number(*v, "thicknessFactor", 0) > 0 && out.transmission > 0.5f)
-                out.kind = Material::Kind::dielectric;
+            if (number(*v, "thicknessFactor", 0) > 0 && out.transmission > 0.5f) {
+                if (out.transmission_map.used())
+                    warnings_.push_back(fmt::format(
+                        "{}: {}: glass in the places of its transmission texture only; it is taken "
+                        "as a thin sheet, which does not bend light",
+                        file_.path(), what_));
+                else
+                    out.kind = Material::Kind::dielectric;
+            }
         if (const Value* v = extension(m.extensions, "KHR_materials_pbrSpecularGlossiness")) {
             const std::vector<float> diffuse = numbers(*v, "diffuseFactor");
             color({diffuse.begin(), diffuse.end()}, out);
             out.metallic = 0;
             out.roughness = clamped(1 - number(*v, "glossinessFactor", 1), 0, 1, 1);
             out.metallic_roughness_map = {};
-            if (const Value* t = member(*v, "diffuseTexture"))
-                out.base_color_map =
-                    map(whole(*t, "index", -1), whole(*t, "texCoord", 0), nullptr, true);
+            if (const Value* t = member(*v, "diffuseTexture")) out.base_color_map = map(*t, true);
             warnings_.push_back(
                 fmt::format("{}: {}: specular-glossiness is taken as its diffuse part with a gloss",
                             file_.path(), what_));
@@ -135,6 +138,13 @@ class Reader {
         if (info.index < 0) return {};
         return map(info.index, info.texCoord, extension(info.extensions, "KHR_texture_transform"),
                    color);
+    }
+
+    // Of an extension, which tinygltf leaves as it is.
+    TextureMap map(const Value& info, bool color) {
+        const Value* all = member(info, "extensions");
+        const Value* transform = all ? member(*all, "KHR_texture_transform") : nullptr;
+        return map(whole(info, "index", -1), whole(info, "texCoord", 0), transform, color);
     }
 
     TextureMap map(int index, int set, const Value* transform, bool color) {
@@ -171,12 +181,28 @@ class Reader {
             out.rotation = std::isfinite(angle) ? angle : 0;
             set = whole(*transform, "texCoord", set);
         }
-        if (set_ && *set_ != set)
-            warnings_.push_back(fmt::format(
-                "{}: {}: its textures use sets {} and {} of texture coordinates; all take {}",
-                file_.path(), what_, *set_, set, *set_));
-        if (!set_) set_ = std::clamp(set, 0, 100);
+        out.uv_set = slot(set);
         return out;
+    }
+
+    // Where a mesh will have set `set` of texture coordinates.
+    int slot(int set) {
+        if (set < 0)
+            file_.fail(what_,
+                       fmt::format("a texture reads set {} of texture coordinates (texCoord); "
+                                   "expected 0 or more",
+                                   set));
+        const auto known = std::find(sets_.begin(), sets_.end(), set);
+        if (known != sets_.end()) return int(known - sets_.begin());
+        if (sets_.size() == 2) {
+            warnings_.push_back(fmt::format(
+                "{}: {}: its textures read sets {}, {} and {} of texture coordinates; two can be "
+                "read, what is on {} takes {}",
+                file_.path(), what_, sets_[0], sets_[1], set, set, sets_[0]));
+            return 0;
+        }
+        sets_.push_back(set);
+        return int(sets_.size()) - 1;
     }
 
     static TextureMap::Wrap wrap(int mode) {
@@ -220,24 +246,26 @@ class Reader {
     std::vector<std::string>& warnings_;
     std::map<std::pair<size_t, bool>, int> pictures_;
     std::string what_;
-    std::optional<int> set_;
+    GltfUvSets sets_;
 };
 
 }  // namespace
 
-std::vector<int> add_gltf_materials(const GltfFile& file, Scene& scene,
-                                    std::vector<std::string>& warnings) {
+std::vector<GltfUvSets> add_gltf_materials(const GltfFile& file, Scene& scene,
+                                           std::vector<std::string>& warnings) {
     Reader reader(file, scene, warnings);
-    std::vector<int> sets;
+    std::vector<GltfUvSets> sets;
     for (size_t i = 0; i < file.model().materials.size(); ++i) {
-        sets.push_back(0);
+        sets.emplace_back();
         scene.materials.push_back(reader.material(file.model().materials[i], i, sets.back()));
     }
-    Material plain;  // glTF's default, a metal as rough as can be, is nobody's wish: white plaster
+    Material plain;  // glTF 2.0's default material: every member's own default
     plain.name = "without material";
-    plain.base_color = {0.8f, 0.8f, 0.8f};
+    plain.base_color = {1, 1, 1};
+    plain.metallic = plain.roughness = 1;
+    plain.two_sided = false;
     scene.materials.push_back(plain);
-    sets.push_back(0);
+    sets.emplace_back();
     return sets;
 }
 

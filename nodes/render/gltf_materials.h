@@ -7,10 +7,14 @@
 
 namespace weft {
 
+// Which sets of texture coordinates (TEXCOORD_n) a material's textures read: those that go to a
+// mesh's `uv` and `uv2`; none where it has no texture.
+using GltfUvSets = std::vector<int>;
+
 // Adds every material of the file to the scene, then the one that primitives without have; index i
 // of the file is index i here.
-//   returns  which set of texture coordinates each material reads
-std::vector<int> add_gltf_materials(const GltfFile& file, Scene& scene,
-                                    std::vector<std::string>& warnings);
+//   returns  the sets that each reads
+std::vector<GltfUvSets> add_gltf_materials(const GltfFile& file, Scene& scene,
+                                           std::vector<std::string>& warnings);
 
 }  // namespace weft

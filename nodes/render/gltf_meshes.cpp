@@ -29,16 +29,25 @@ std::vector<std::array<std::uint32_t, 3>> triangles(const std::vector<std::uint3
     return all;
 }
 
-// The material's set of texture coordinates, or the only one there is.
-std::string uv_attribute(const tinygltf::Primitive& p, int set) {
-    const std::string wanted = fmt::format("TEXCOORD_{}", set);
-    return p.attributes.count(wanted) ? wanted : "TEXCOORD_0";
+// The attribute that holds set `set` of texture coordinates; where the mesh lacks it, that is told
+// and the first set stands in, if there is one.
+std::string uv_attribute(const GltfFile& file, const tinygltf::Primitive& p, int set,
+                         const std::string& what, std::vector<std::string>& warnings) {
+    std::string wanted = fmt::format("TEXCOORD_{}", set);
+    if (p.attributes.count(wanted)) return wanted;
+    const bool other = p.attributes.count("TEXCOORD_0");
+    warnings.push_back(fmt::format(
+        "{}: {}: a texture of its material {} ('{}') reads {}, which it has not; {}", file.path(),
+        what, p.material, file.model().materials[size_t(p.material)].name, wanted,
+        other ? "TEXCOORD_0 is taken" : "it is one colour all over, the texture's at (0, 0)"));
+    return "TEXCOORD_0";
 }
 
 }  // namespace
 
 GltfPrimitive gltf_primitive(const GltfFile& file, size_t mesh_index, size_t primitive_index,
-                             const std::vector<int>& uv_sets, std::vector<std::string>& warnings) {
+                             const std::vector<GltfUvSets>& uv_sets,
+                             std::vector<std::string>& warnings) {
     const auto& m = file.model().meshes[mesh_index];
     const auto& p = m.primitives[primitive_index];
     const std::string name = m.name.empty() ? fmt::format("mesh {}", mesh_index) : m.name;
@@ -94,13 +103,18 @@ GltfPrimitive gltf_primitive(const GltfFile& file, size_t mesh_index, size_t pri
         for (size_t i = 0; i < count; ++i)
             out.mesh.normals[i] = direction(out.mesh.normals[i], made.normals[i]);
     }
-    const std::string uv = uv_attribute(p, uv_sets[size_t(out.mesh.material)]);
-    if (const auto t = p.attributes.find(uv); t != p.attributes.end()) {
+    const GltfUvSets& sets = uv_sets[size_t(out.mesh.material)];
+    const auto coordinates = [&](const std::string& attribute, std::vector<Vec2>& uv) {
+        const auto t = p.attributes.find(attribute);
+        if (t == p.attributes.end()) return;
         const std::vector<float> values = file.numbers(t->second, 2, what);
-        same(values.size(), 2, uv);
-        for (size_t i = 0; i < count; ++i)
-            out.mesh.uv.push_back({values[2 * i], values[2 * i + 1]});
-    }
+        same(values.size(), 2, attribute);
+        for (size_t i = 0; i < count; ++i) uv.push_back({values[2 * i], values[2 * i + 1]});
+    };
+    if (sets.empty()) coordinates("TEXCOORD_0", out.mesh.uv);  // for another material in its place
+    for (size_t i = 0; i < sets.size(); ++i)
+        coordinates(uv_attribute(file, p, sets[i], what, warnings),
+                    i == 0 ? out.mesh.uv : out.mesh.uv2);
     for (size_t k = 0; k < p.targets.size(); ++k)
         for (const auto& [attribute, accessor] : p.targets[k]) {
             auto* to = attribute == "POSITION" ? &out.morph_positions

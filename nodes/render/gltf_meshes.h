@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/gltf_file.h"
+#include "render/gltf_materials.h"
 
 namespace weft {
 
@@ -16,7 +17,8 @@ struct GltfPrimitive {
 // The primitive without points and lines; no triangles: there is nothing to see.
 //   uv_sets  of each material, as add_gltf_materials() returns them
 GltfPrimitive gltf_primitive(const GltfFile& file, size_t mesh, size_t primitive,
-                             const std::vector<int>& uv_sets, std::vector<std::string>& warnings);
+                             const std::vector<GltfUvSets>& uv_sets,
+                             std::vector<std::string>& warnings);
 
 // Its mesh with a key for every element of `weights` and `joints`.
 //   weights  how much of each morph target, a list a key

@@ -314,7 +314,7 @@ class Reader {
     std::vector<std::string>& warnings_;
     GltfPoses poses_;
     Scene scene_;
-    std::vector<int> uv_sets_;
+    std::vector<GltfUvSets> uv_sets_;
     std::vector<size_t> order_;
     std::vector<std::vector<Affine>> world_;
     std::vector<float> times_;

@@ -76,6 +76,7 @@ Material JsonParts::material(const std::string& name, const Json& value) {
     m.emission_map = map(f, "emission-texture", true);
     m.ior = f.number("ior", 1.5f, 1, 10);
     m.transmission = f.number("transmission", 0, 0, 1);
+    m.transmission_map = map(f, "transmission-texture", false);
     m.alpha = Material::Alpha(f.choice("alpha", {"opaque", "mask", "blend"}, 0));
     m.opacity = f.number("opacity", 1, 0, 1);
     m.alpha_cutoff = f.number("alpha-cutoff", 0.5f, 0, 1);

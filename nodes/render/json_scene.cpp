@@ -167,8 +167,7 @@ class Reader {
         const int first_texture = int(scene_.textures.size());
         for (TextureFile& t : s.textures) scene_.textures.push_back(std::move(t));
         for (Material& m : s.materials) {
-            for (TextureMap* map : {&m.base_color_map, &m.metallic_roughness_map, &m.emission_map,
-                                    &m.alpha_map, &m.normal_map})
+            for (TextureMap* map : m.maps())
                 if (map->used()) map->file += first_texture;
             scene_.materials.push_back(std::move(m));
         }

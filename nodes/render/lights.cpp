@@ -121,13 +121,14 @@ void Lights::add_mesh(const RayScene& rays, std::uint32_t index, const Textures*
     one.two_sided = material.two_sided;
     // What a map makes of the emission: one look at each triangle, as wide as it is.
     std::vector<float> rgba(4 * n, 1.0f);
-    if (textures && material.emission_map.used() && !object.mesh->uv.empty()) {
+    const std::vector<Vec2>& coordinates = object.mesh->uv_set(material.emission_map.uv_set);
+    if (textures && material.emission_map.used() && !coordinates.empty()) {
         std::vector<Vec2> uv(n);
         std::vector<float> width(n), half(n, 0.5f);
         for (size_t t = 0; t < n; ++t) {
             const auto& corner = object.mesh->triangles[t];
-            const Vec2 a = object.mesh->uv[corner[0]], b = object.mesh->uv[corner[1]],
-                       c = object.mesh->uv[corner[2]];
+            const Vec2 a = coordinates[corner[0]], b = coordinates[corner[1]],
+                       c = coordinates[corner[2]];
             uv[t] = place(material.emission_map, {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
             width[t] =
                 std::sqrt(std::fabs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) *

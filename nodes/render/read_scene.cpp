@@ -14,7 +14,10 @@ struct ReadScene {
     float size = 1;
 
     static void declare(Ports<ReadScene>& node) {
-        node.about("reads a scene: glTF 2.0, OBJ, the JSON scene form, or procedural:NAME")
+        node.about(
+                "reads a scene: glTF 2.0, OBJ, the JSON scene form, or procedural:NAME. "
+                "docs/scenes.md tells what is read of each and how it is taken; what is left out "
+                "is warned of")
             .out<Scene>("scene", "meshes, materials, lights and a camera")
             .param("file", &ReadScene::file,
                    {.about = "a .gltf, .glb, .obj or .json scene file, or procedural:leaves, "
@@ -53,7 +56,7 @@ struct ReadScene {
     }
 };
 
-WEFT_NODE(ReadScene, "read-scene", 1);
+WEFT_NODE(ReadScene, "read-scene", 2);
 
 }  // namespace
 }  // namespace weft

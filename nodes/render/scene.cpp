@@ -19,7 +19,8 @@ size_t Scene::bytes() const {
     size_t sum = environment.map ? environment.map->bytes() : 0;
     for (const Mesh& mesh : meshes)
         sum += (mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3) +
-               mesh.uv.size() * sizeof(Vec2) + mesh.triangles.size() * sizeof(mesh.triangles[0]);
+               (mesh.uv.size() + mesh.uv2.size()) * sizeof(Vec2) +
+               mesh.triangles.size() * sizeof(mesh.triangles[0]);
     for (const Instance& instance : instances)
         sum += sizeof(instance) + instance.to_world.size() * sizeof(Affine);
     for (const TextureFile& file : textures) sum += file.bytes ? file.bytes->size() : 0;

@@ -46,6 +46,7 @@ struct TextureMap {
     int file = -1;  // of Scene::textures; none: the factor beside it stands alone
     Vec2 offset{}, scale{1, 1};
     float rotation = 0;  // radians, as KHR_texture_transform
+    int uv_set = 0;      // which of a mesh's texture coordinates: 0 `uv`, 1 `uv2`
     enum class Wrap { repeat, clamp, mirror } wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     bool used() const { return file >= 0; }
 };
@@ -70,12 +71,22 @@ struct Material {
     TextureMap emission_map;
     float ior = 1.5f;
     float transmission = 0;
+    TextureMap transmission_map;  // red
     enum class Alpha { opaque, mask, blend } alpha = Alpha::opaque;
     float opacity = 1, alpha_cutoff = 0.5f;
     TextureMap alpha_map;   // its alpha; of a picture without alpha, its first channel
     TextureMap normal_map;  // tangent space, +y up
     float normal_scale = 1;
     bool two_sided = true;
+    std::array<TextureMap*, 6> maps() {
+        return {&base_color_map, &metallic_roughness_map,
+                &emission_map,   &transmission_map,
+                &alpha_map,      &normal_map};
+    }
+    std::array<const TextureMap*, 6> maps() const {
+        const auto all = const_cast<Material*>(this)->maps();
+        return {all[0], all[1], all[2], all[3], all[4], all[5]};
+    }
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 
@@ -85,10 +96,11 @@ struct Mesh {
     int steps = 1;                // motion keys
     std::vector<Vec3> positions;  // steps x vertices
     std::vector<Vec3> normals;    // the same, unit; empty: flat
-    std::vector<Vec2> uv;         // vertices, or empty
+    std::vector<Vec2> uv, uv2;    // vertices, or empty; two sets: maps choose
     std::vector<std::array<std::uint32_t, 3>> triangles;
     int material = 0;
     size_t vertices() const { return positions.size() / size_t(steps); }
+    const std::vector<Vec2>& uv_set(int set) const { return set == 0 ? uv : uv2; }
 };
 
 // A mesh, placed. Between keys a transform goes as rotation (slerp), and scale, skew and

@@ -13,9 +13,18 @@ std::uint64_t now_ns() {
 }
 
 // Texture coordinates a unit of length.
-float uv_density(const SurfacePoint& p) {
-    const float area = length(cross(p.along_u, p.along_v));
+float uv_density(const UvFrame& at) {
+    const float area = length(cross(at.along_u, at.along_v));
     return area > 0 ? 1 / std::sqrt(area) : 0;
+}
+
+// How the surface runs along a map's own axes, however the picture is placed on it.
+UvFrame along_picture(const TextureMap& map, const UvFrame& at) {
+    if (map.scale == Vec2{1, 1} && map.rotation == 0) return at;
+    if (map.scale.x == 0 || map.scale.y == 0) return {at.uv, {}, {}};
+    const Vec3 u = at.along_u * (1 / map.scale.x), v = at.along_v * (1 / map.scale.y);
+    const float c = std::cos(map.rotation), r = std::sin(map.rotation);
+    return {at.uv, u * c + v * r, v * c - u * r};
 }
 
 // A normal that `out` sees: bent towards it where interpolation or a map turned it away.
@@ -25,16 +34,16 @@ Vec3 seen_normal(Vec3 normal, Vec3 out) {
     return c >= least ? normal : unit(normal + out * (least - c));
 }
 
-Vec3 mapped_normal(const SurfacePoint& p, Vec3 normal, const float* rgba, float scale) {
+Vec3 mapped_normal(const UvFrame& at, Vec3 normal, const float* rgba, float scale) {
     const float x = (2 * rgba[0] - 1) * scale, y = (2 * rgba[1] - 1) * scale, z = 2 * rgba[2] - 1;
     // Tangents along the texture's axes, made square to the normal; +y is up the picture, against
     // v.
-    Vec3 t = p.along_u - normal * dot(p.along_u, normal);
+    Vec3 t = at.along_u - normal * dot(at.along_u, normal);
     const float l = length(t);
     if (!(l > 0)) return normal;
     t = t * (1 / l);
     Vec3 b = cross(normal, t);
-    if (dot(b, p.along_v) > 0) b = -b;
+    if (dot(b, at.along_v) > 0) b = -b;
     const Vec3 n = t * x + b * y + normal * z;
     const float size = length(n);
     return size > 0 ? n * (1 / size) : normal;
@@ -42,18 +51,26 @@ Vec3 mapped_normal(const SurfacePoint& p, Vec3 normal, const float* rgba, float 
 
 }  // namespace
 
-void Shading::look_up(const TextureMap& map, std::span<const std::uint32_t> hits,
+UvFrame Shading::frame_of(const TextureMap& map, const UvFrame& first, const Rays& hits,
+                          size_t k) const {
+    if (map.uv_set == 0) return first;
+    return uv_frame_at(rays_.objects()[hits.object[k]], hits.primitive[k], hits.u[k], hits.v[k],
+                       hits.time[k], map.uv_set);
+}
+
+void Shading::look_up(const TextureMap& map, const Rays& hits, std::span<const std::uint32_t> group,
                       std::span<const float> footprint, std::span<const float> random,
                       ShadingScratch& s) const {
     const std::uint64_t start = now_ns();
-    const size_t n = hits.size();
+    const size_t n = group.size();
     s.uv.resize(n), s.width.resize(n), s.random.resize(n), s.rgba.resize(4 * n);
     const float scale = std::sqrt(std::fabs(map.scale.x * map.scale.y));
     for (size_t i = 0; i < n; ++i) {
-        const SurfacePoint& p = s.shades[hits[i]].point;
-        s.uv[i] = place(map, p.uv);
-        s.width[i] = footprint[hits[i]] * uv_density(p) * scale;
-        s.random[i] = random[hits[i]];
+        const std::uint32_t k = group[i];
+        const UvFrame at = frame_of(map, s.shades[k].point.texture, hits, k);
+        s.uv[i] = place(map, at.uv);
+        s.width[i] = footprint[k] * uv_density(at) * scale;
+        s.random[i] = random[k];
     }
     textures_->lookup(map.file, map.wrap_u, map.wrap_v, s.uv, s.width, s.random, s.rgba);
     s.lookups += n;
@@ -103,11 +120,12 @@ void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint
             shade.albedo = mat.base_color;
             shade.roughness = mat.roughness;
             shade.emission = mat.emission;
+            shade.transmission = mat.transmission;
         }
         float metallic = mat.metallic;
         const auto mapped = [&](const TextureMap& map, auto&& use) {
             if (!map.used() || !textures_) return;
-            look_up(map, group, footprint, random, s);
+            look_up(map, hits, group, footprint, random, s);
             for (size_t i = 0; i < group.size(); ++i) use(s.shades[group[i]], &s.rgba[4 * i], i);
         };
         mapped(mat.base_color_map, [&](Shade& shade, const float* c, size_t) {
@@ -116,10 +134,13 @@ void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint
         mapped(mat.emission_map, [&](Shade& shade, const float* c, size_t) {
             shade.emission = shade.emission * Vec3{c[0], c[1], c[2]};
         });
-        mapped(mat.normal_map, [&](Shade& shade, const float* c, size_t) {
-            shade.point.shading =
-                mapped_normal(shade.point, shade.point.shading, c, mat.normal_scale);
+        mapped(mat.normal_map, [&](Shade& shade, const float* c, size_t i) {
+            const UvFrame at = along_picture(
+                mat.normal_map, frame_of(mat.normal_map, shade.point.texture, hits, group[i]));
+            shade.point.shading = mapped_normal(at, shade.point.shading, c, mat.normal_scale);
         });
+        mapped(mat.transmission_map,
+               [&](Shade& shade, const float* c, size_t) { shade.transmission *= c[0]; });
         const bool has_metal_map = mat.metallic_roughness_map.used() && textures_;
         mapped(mat.metallic_roughness_map,
                [&](Shade& shade, const float* c, size_t) { shade.roughness *= c[1]; });
@@ -127,7 +148,7 @@ void Shading::shade(const Rays& hits, size_t n, std::span<const float> footprint
             Shade& shade = s.shades[group[i]];
             if (has_metal_map) metallic = mat.metallic * s.rgba[4 * i + 2];
             shade.bsdf = make_bsdf(mat.kind, shade.albedo, metallic, shade.roughness, mat.ior,
-                                   mat.transmission);
+                                   shade.transmission);
             SurfacePoint& p = shade.point;
             const bool front = dot(p.geometric, shade.out) >= 0;
             if (!front && !mat.two_sided) shade.emission = {};
@@ -152,8 +173,9 @@ void Shading::light_radiance(std::span<LightSample> lights, ShadingScratch& s) c
         if (!mat.emission_map.used()) continue;
         const std::uint64_t start = now_ns();
         const Object& object = rays_.objects()[light.object];
-        const SurfacePoint p = surface_at(object, light.primitive, light.u, light.v, 0);
-        const Vec2 uv = place(mat.emission_map, p.uv);
+        const Vec2 uv = place(
+            mat.emission_map,
+            uv_frame_at(object, light.primitive, light.u, light.v, 0, mat.emission_map.uv_set).uv);
         const float width = 0, half = 0.5f;
         float rgba[4];
         textures_->lookup(mat.emission_map.file, mat.emission_map.wrap_u, mat.emission_map.wrap_v,
@@ -180,8 +202,9 @@ void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits,
             const std::uint32_t k = hits[begin + i];
             const SurfacePoint p = surface_at(objects[rays.object[k]], rays.primitive[k], rays.u[k],
                                               rays.v[k], rays.time[k]);
-            s.uv[i] = place(mat.alpha_map, p.uv);
-            s.width[i] = spread[k] * rays.distance[k] * uv_density(p) *
+            const UvFrame at = frame_of(mat.alpha_map, p.texture, rays, k);
+            s.uv[i] = place(mat.alpha_map, at.uv);
+            s.width[i] = spread[k] * rays.distance[k] * uv_density(at) *
                          std::sqrt(std::fabs(mat.alpha_map.scale.x * mat.alpha_map.scale.y));
             s.error[begin + i] = p.error;
             s.opacity[begin + i] = mat.opacity;

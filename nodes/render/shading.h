@@ -17,7 +17,7 @@ struct Shade {
     Bsdf bsdf;
     Vec3 emission;  // towards `out`
     Vec3 albedo;
-    float roughness = 1;
+    float roughness = 1, transmission = 0;
     bool light = false;  // a light's own surface: nothing is reflected
     // `point.geometric` and `normal` lie on the side of `out`, but for materials with an inside,
     // where they point outwards.
@@ -53,7 +53,9 @@ class Shading {
                       std::span<const std::uint64_t> keys, ShadingScratch& scratch) const;
 
   private:
-    void look_up(const TextureMap& map, std::span<const std::uint32_t> hits,
+    // Of hit k, by the map's set of texture coordinates; `first` by the mesh's first.
+    UvFrame frame_of(const TextureMap& map, const UvFrame& first, const Rays& hits, size_t k) const;
+    void look_up(const TextureMap& map, const Rays& hits, std::span<const std::uint32_t> group,
                  std::span<const float> footprint, std::span<const float> random,
                  ShadingScratch& scratch) const;
     void opacities(const Rays& rays, std::span<const std::uint32_t> hits,

@@ -37,6 +37,23 @@ Corners corners_of(const Mesh& mesh, const std::vector<Vec3>& values, std::uint3
     return {mixed(triangle[0]), mixed(triangle[1]), mixed(triangle[2])};
 }
 
+UvFrame uv_frame(const std::vector<Vec2>& uv, const std::array<std::uint32_t, 3>& triangle, float u,
+                 float v, const Corners& p, const Affine& to_world) {
+    UvFrame out;
+    if (uv.empty()) return out;
+    const Vec2 a = uv[triangle[0]], b = uv[triangle[1]], c = uv[triangle[2]];
+    const float w = 1 - u - v;
+    out.uv = {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
+    const Vec2 e{b.x - a.x, b.y - a.y}, f{c.x - a.x, c.y - a.y};
+    const float area = e.x * f.y - e.y * f.x;
+    if (area != 0) {
+        const Vec3 ab = p.b - p.a, ac = p.c - p.a;
+        out.along_u = to_world.vector((ab * f.y - ac * e.y) * (1 / area));
+        out.along_v = to_world.vector((ac * e.x - ab * f.x) * (1 / area));
+    }
+    return out;
+}
+
 Vec3 light_point(const Object& object, std::uint32_t primitive, float u, float v) {
     if (object.kind != Object::Kind::sphere) return {2 * u - 1, 2 * v - 1, 0};
     const float z = std::sqrt(std::max(0.0f, 1 - u * u - v * v));
@@ -66,7 +83,7 @@ SurfacePoint surface_at(const Object& object, std::uint32_t primitive, float u, 
         out.position = to_world.point(local);
         out.geometric = unit(transformed_normal(to_world, sphere ? local : Vec3{0, 0, -1}));
         out.shading = out.geometric;
-        out.uv = {u, v};
+        out.texture.uv = {u, v};
         out.error = rounding * (widest(out.position) + widest(to_world.x));
         return out;
     }
@@ -87,19 +104,16 @@ SurfacePoint surface_at(const Object& object, std::uint32_t primitive, float u, 
     const float reach = widest(local) + std::max(widest(ab), widest(ac));
     const float scale = std::max({widest(to_world.x), widest(to_world.y), widest(to_world.z)});
     out.error = rounding * (widest(out.position) + scale * reach + widest(to_world.origin));
-    if (!mesh.uv.empty()) {
-        const auto& triangle = mesh.triangles[primitive];
-        const Vec2 a = mesh.uv[triangle[0]], b = mesh.uv[triangle[1]], c = mesh.uv[triangle[2]];
-        const float w = 1 - u - v;
-        out.uv = {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
-        const Vec2 e{b.x - a.x, b.y - a.y}, f{c.x - a.x, c.y - a.y};
-        const float area = e.x * f.y - e.y * f.x;
-        if (area != 0) {
-            out.along_u = to_world.vector((ab * f.y - ac * e.y) * (1 / area));
-            out.along_v = to_world.vector((ac * e.x - ab * f.x) * (1 / area));
-        }
-    }
+    out.texture = uv_frame(mesh.uv, mesh.triangles[primitive], u, v, p, to_world);
     return out;
+}
+
+UvFrame uv_frame_at(const Object& object, std::uint32_t primitive, float u, float v, float time,
+                    int set) {
+    if (!object.mesh) return {{u, v}, {}, {}};
+    const Mesh& mesh = *object.mesh;
+    return uv_frame(mesh.uv_set(set), mesh.triangles[primitive], u, v,
+                    corners_of(mesh, mesh.positions, primitive, time), object.placement.at(time));
 }
 
 }  // namespace weft::render

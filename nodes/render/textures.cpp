@@ -27,8 +27,7 @@ class NoTextures final : public Textures {
 std::vector<bool> textures_used(const Scene& scene) {
     std::vector<bool> used(scene.textures.size());
     for (const Material& m : scene.materials)
-        for (const TextureMap* map : {&m.base_color_map, &m.metallic_roughness_map, &m.emission_map,
-                                      &m.alpha_map, &m.normal_map})
+        for (const TextureMap* map : m.maps())
             if (map->used()) used.at(size_t(map->file)) = true;
     return used;
 }

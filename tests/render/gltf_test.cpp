@@ -115,6 +115,110 @@ TEST(Gltf, MaterialsAndTextures) {
     EXPECT_TRUE(scene.textures[0].bytes->starts_with("\x89PNG"));
     EXPECT_EQ(scene.textures[0].path, "test.gltf#image0.png");
     EXPECT_EQ(scene.meshes[0].uv[1], (Vec2{1, 0}));
+    // A primitive without one has the default material of the specification.
+    const Triangle plain;
+    const Material& d = read(plain.text(one_node)).materials.at(0);
+    EXPECT_EQ(d.kind, Material::Kind::metallic_roughness);
+    EXPECT_EQ(d.base_color, (Vec3{1, 1, 1}));
+    EXPECT_EQ(d.metallic, 1);
+    EXPECT_EQ(d.roughness, 1);
+    EXPECT_FALSE(d.two_sided);
+}
+
+TEST(Gltf, TransmissionTextures) {
+    Triangle t;
+    t.floats({0, 0, 1, 0, 0, 1}, "VEC2");
+    std::vector<std::string> ignored;
+    const int view = t.bytes_view(encode_png(Image(2, 2, 3), {}, ignored));
+    const auto read_with = [&](const std::string& extensions) {
+        return read(t.glb(fmt::format(
+            R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_1":2}},"indices":1,"material":0}}]}}],)"
+            R"("images":[{{"bufferView":{},"mimeType":"image/png"}}],"textures":[{{"source":0}}],"materials":[{{"name":"pane","extensions":{{{}}}}}])",
+            view, extensions)));
+    };
+    const std::string pane =
+        R"("KHR_materials_transmission":{"transmissionFactor":0.9,"transmissionTexture":{"index":0,"texCoord":1,"extensions":{"KHR_texture_transform":{"scale":[2,3]}}}})";
+    Scene scene = read_with(pane);
+    const Material& m = scene.materials[0];
+    EXPECT_EQ(warnings.size(), 1u);  // no camera
+    EXPECT_NEAR(m.transmission, 0.9, 1e-6);
+    ASSERT_TRUE(m.transmission_map.used());
+    EXPECT_FALSE(scene.textures[size_t(m.transmission_map.file)].color);
+    EXPECT_EQ(m.transmission_map.scale, (Vec2{2, 3}));
+    EXPECT_EQ(scene.meshes[0].uv[1], (Vec2{1, 0}));
+    // A body of glass in places is not one that bends light, which is told.
+    scene = read_with(pane + R"(,"KHR_materials_volume":{"thicknessFactor":1})");
+    EXPECT_EQ(scene.materials[0].kind, Material::Kind::metallic_roughness);
+    EXPECT_NE(std::find_if(warnings.begin(), warnings.end(),
+                           [](const std::string& w) {
+                               return w.find("taken as a thin sheet") != std::string::npos;
+                           }),
+              warnings.end());
+    EXPECT_EQ(
+        read_with(
+            R"("KHR_materials_transmission":{"transmissionFactor":0.9},"KHR_materials_volume":{"thicknessFactor":1})")
+            .materials[0]
+            .kind,
+        Material::Kind::dielectric);
+}
+
+TEST(Gltf, EachTextureReadsItsOwnTextureCoordinates) {
+    Triangle t;
+    std::vector<std::vector<Vec2>> uv;
+    for (const float at : {0.0f, 10.0f, 20.0f}) {
+        uv.push_back({{at, 0}, {at + 1, 0}, {at, 1}});
+        EXPECT_EQ(t.floats({at, 0, at + 1, 0, at, 1}, "VEC2"), int(uv.size()) + 1);
+    }
+    std::vector<std::string> ignored;
+    const int view = t.bytes_view(encode_png(Image(2, 2, 3), {}, ignored));
+    const auto read_with = [&](const std::string& attributes, const std::string& material) {
+        return read(t.glb(fmt::format(
+            R"("nodes":[{{"mesh":0}}],"cameras":[],"meshes":[{{"name":"wall","primitives":[{{"attributes":{{"POSITION":0{}}},"indices":1,"material":0}}]}}],)"
+            R"("images":[{{"bufferView":{},"mimeType":"image/png"}}],"textures":[{{"source":0}}],"materials":[{{"name":"brick",{}}}])",
+            attributes, view, material)));
+    };
+    const std::string three = R"(,"TEXCOORD_0":2,"TEXCOORD_1":3,"TEXCOORD_2":4)";
+    const std::string
+        base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}})",
+        normal = R"("normalTexture":{"index":0})",
+        emissive =
+            R"("emissiveTexture":{"index":0,"extensions":{"KHR_texture_transform":{"texCoord":2}}})";
+    Scene scene = read_with(three, base + "," + normal);
+    EXPECT_EQ(warnings.size(), 1u);  // no camera
+    EXPECT_EQ(scene.meshes[0].uv, uv[1]);
+    EXPECT_EQ(scene.meshes[0].uv2, uv[0]);
+    EXPECT_EQ(scene.materials[0].base_color_map.uv_set, 0);
+    EXPECT_EQ(scene.materials[0].normal_map.uv_set, 1);
+
+    // A third set, told; and sets that the mesh has not.
+    const auto told = [](const std::string& text) {
+        return std::find(warnings.begin(), warnings.end(), "test.gltf: " + text) != warnings.end();
+    };
+    scene = read_with(three, base + "," + normal + "," + emissive);
+    EXPECT_EQ(scene.materials[0].emission_map.uv_set, 0);
+    EXPECT_TRUE(
+        told("material 0 ('brick'): its textures read sets 1, 0 and 2 of texture "
+             "coordinates; two can be read, what is on 2 takes 1"));
+    scene = read_with(R"(,"TEXCOORD_0":2)", base + "," + normal);
+    EXPECT_EQ(scene.meshes[0].uv, uv[0]);
+    EXPECT_EQ(scene.meshes[0].uv2, uv[0]);
+    EXPECT_TRUE(
+        told("mesh 0 ('wall'), primitive 0: a texture of its material 0 ('brick') reads "
+             "TEXCOORD_1, which it has not; TEXCOORD_0 is taken"));
+    scene = read_with("", normal);
+    EXPECT_TRUE(scene.meshes[0].uv.empty());
+    EXPECT_TRUE(
+        told("mesh 0 ('wall'), primitive 0: a texture of its material 0 ('brick') reads "
+             "TEXCOORD_0, which it has not; it is one colour all over, the texture's at "
+             "(0, 0)"));
+    // Without textures there is nothing to read; coordinates are kept for another material.
+    scene = read_with(three, R"("emissiveFactor":[1,0,0])");
+    EXPECT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].uv, uv[0]);
+    EXPECT_NE(error_of([&] {
+                  read_with(three, R"("normalTexture":{"index":0,"texCoord":-2})");
+              }).find("material 0 ('brick'): a texture reads set -2"),
+              std::string::npos);
 }
 
 TEST(Gltf, CamerasAndLights) {
@@ -171,6 +275,57 @@ TEST(Gltf, AnimationBecomesMotionKeysOverTheShutter) {
                   read(bytes, {"", "gone", 0, 1});
               }).find("it has no such animation"),
               std::string::npos);
+}
+
+// Where things are when the shutter opens and when it closes: not near it, there.
+TEST(Gltf, BothEndsOfTheShutterAreExact) {
+    // At time t: node 0 is t to the right, the joint t up, the weight t.
+    Triangle t;
+    const int times = t.floats({0, 1}, "SCALAR"), right = t.floats({0, 0, 0, 1, 0, 0}, "VEC3");
+    const int up = t.floats({0, 0, 0, 0, 1, 0}, "VEC3"), weight = t.floats({0, 1}, "SCALAR");
+    const int target = t.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+    const int joints = t.shorts({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+    const int shares = t.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+    const auto bytes = [&](const std::string& interpolation) {
+        return t.text(fmt::format(
+            R"("nodes":[{{"mesh":0}},{{"mesh":1}},{{"mesh":2,"skin":0}},{{}}],"skins":[{{"joints":[3]}}],"meshes":[)"
+            R"({{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}},)"
+            R"({{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"targets":[{{"POSITION":{0}}}]}}]}},)"
+            R"({{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":{1},"WEIGHTS_0":{2}}},"indices":1}}]}}],)"
+            R"("animations":[{{"samplers":[{{"input":{3},"output":{4},"interpolation":"{7}"}},{{"input":{3},"output":{5},"interpolation":"{7}"}},{{"input":{3},"output":{6},"interpolation":"{7}"}}],)"
+            R"("channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}},{{"sampler":1,"target":{{"node":1,"path":"weights"}}}},{{"sampler":2,"target":{{"node":3,"path":"translation"}}}}]}}])",
+            target, joints, shares, times, right, weight, up, interpolation));
+    };
+    // Ends that a step of a sixteenth does not meet by itself.
+    for (const auto& [open, close] : {std::pair{0.1f, 0.7f}, std::pair{0.3f, 0.9f},
+                                      std::pair{1.0f / 3, 1.0f / 3 + 1.0f / 48}}) {
+        const Scene scene = read(bytes("LINEAR"), {"", "", open, close});
+        const auto& keys = scene.instances[0].to_world;
+        ASSERT_EQ(keys.size(), 2u);
+        EXPECT_EQ(keys.front().origin, (Vec3{open, 0, 0}));
+        EXPECT_EQ(keys.back().origin, (Vec3{close, 0, 0}));
+        ASSERT_EQ(scene.meshes[1].steps, 2);
+        EXPECT_EQ(scene.meshes[1].positions[0], (Vec3{0, 0, open}));
+        EXPECT_EQ(scene.meshes[1].positions[3], (Vec3{0, 0, close}));
+        ASSERT_EQ(scene.meshes[2].steps, 2);
+        EXPECT_EQ(scene.meshes[2].positions[0], (Vec3{0, open, 0}));
+        EXPECT_EQ(scene.meshes[2].positions[3], (Vec3{0, close, 0}));
+        EXPECT_EQ(scene.camera.shutter_open, open);
+        EXPECT_EQ(scene.camera.shutter_close, close);
+    }
+    // A jump at the very end is seen there, one just after is not; before and after the animation
+    // its first and last key hold.
+    Scene scene = read(bytes("STEP"), {"", "", 0.3f, 1});
+    EXPECT_EQ(scene.instances[0].to_world.back().origin.x, 1);
+    EXPECT_EQ(scene.meshes[1].positions[3].z, 1);
+    scene = read(bytes("STEP"), {"", "", 0.3f, std::nextafter(1.0f, 0.0f)});
+    EXPECT_EQ(scene.instances[0].to_world.size(), 1u);
+    EXPECT_EQ(scene.meshes[1].steps, 1);
+    scene = read(bytes("LINEAR"), {"", "", -1, 2});
+    EXPECT_EQ(scene.meshes[2].positions[0].y, 0);
+    EXPECT_EQ(scene.meshes[2].positions[3].y, 1);
+    EXPECT_EQ(scene.instances[0].to_world.front().origin.x, 0);
+    EXPECT_EQ(scene.instances[0].to_world.back().origin.x, 1);
 }
 
 TEST(Gltf, MorphTargetsAndSkinsMoveVertices) {
@@ -277,57 +432,6 @@ TEST(Gltf, ForeignTestFilesNeverCrash) {
                       std::string::npos)
                 << e.what();
             ++refused;
-// Where things are when the shutter opens and when it closes: not near it, there.
-TEST(Gltf, BothEndsOfTheShutterAreExact) {
-    // At time t: node 0 is t to the right, the joint t up, the weight t.
-    Triangle t;
-    const int times = t.floats({0, 1}, "SCALAR"), right = t.floats({0, 0, 0, 1, 0, 0}, "VEC3");
-    const int up = t.floats({0, 0, 0, 0, 1, 0}, "VEC3"), weight = t.floats({0, 1}, "SCALAR");
-    const int target = t.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
-    const int joints = t.shorts({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
-    const int shares = t.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
-    const auto bytes = [&](const std::string& interpolation) {
-        return t.text(fmt::format(
-            R"("nodes":[{{"mesh":0}},{{"mesh":1}},{{"mesh":2,"skin":0}},{{}}],"skins":[{{"joints":[3]}}],"meshes":[)"
-            R"({{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}},)"
-            R"({{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,"targets":[{{"POSITION":{0}}}]}}]}},)"
-            R"({{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":{1},"WEIGHTS_0":{2}}},"indices":1}}]}}],)"
-            R"("animations":[{{"samplers":[{{"input":{3},"output":{4},"interpolation":"{7}"}},{{"input":{3},"output":{5},"interpolation":"{7}"}},{{"input":{3},"output":{6},"interpolation":"{7}"}}],)"
-            R"("channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}},{{"sampler":1,"target":{{"node":1,"path":"weights"}}}},{{"sampler":2,"target":{{"node":3,"path":"translation"}}}}]}}])",
-            target, joints, shares, times, right, weight, up, interpolation));
-    };
-    // Ends that a step of a sixteenth does not meet by itself.
-    for (const auto& [open, close] : {std::pair{0.1f, 0.7f}, std::pair{0.3f, 0.9f},
-                                      std::pair{1.0f / 3, 1.0f / 3 + 1.0f / 48}}) {
-        const Scene scene = read(bytes("LINEAR"), {"", "", open, close});
-        const auto& keys = scene.instances[0].to_world;
-        ASSERT_EQ(keys.size(), 2u);
-        EXPECT_EQ(keys.front().origin, (Vec3{open, 0, 0}));
-        EXPECT_EQ(keys.back().origin, (Vec3{close, 0, 0}));
-        ASSERT_EQ(scene.meshes[1].steps, 2);
-        EXPECT_EQ(scene.meshes[1].positions[0], (Vec3{0, 0, open}));
-        EXPECT_EQ(scene.meshes[1].positions[3], (Vec3{0, 0, close}));
-        ASSERT_EQ(scene.meshes[2].steps, 2);
-        EXPECT_EQ(scene.meshes[2].positions[0], (Vec3{0, open, 0}));
-        EXPECT_EQ(scene.meshes[2].positions[3], (Vec3{0, close, 0}));
-        EXPECT_EQ(scene.camera.shutter_open, open);
-        EXPECT_EQ(scene.camera.shutter_close, close);
-    }
-    // A jump at the very end is seen there, one just after is not; before and after the animation
-    // its first and last key hold.
-    Scene scene = read(bytes("STEP"), {"", "", 0.3f, 1});
-    EXPECT_EQ(scene.instances[0].to_world.back().origin.x, 1);
-    EXPECT_EQ(scene.meshes[1].positions[3].z, 1);
-    scene = read(bytes("STEP"), {"", "", 0.3f, std::nextafter(1.0f, 0.0f)});
-    EXPECT_EQ(scene.instances[0].to_world.size(), 1u);
-    EXPECT_EQ(scene.meshes[1].steps, 1);
-    scene = read(bytes("LINEAR"), {"", "", -1, 2});
-    EXPECT_EQ(scene.meshes[2].positions[0].y, 0);
-    EXPECT_EQ(scene.meshes[2].positions[3].y, 1);
-    EXPECT_EQ(scene.instances[0].to_world.front().origin.x, 0);
-    EXPECT_EQ(scene.instances[0].to_world.back().origin.x, 1);
-}
-
         }
     }
     EXPECT_GT(read_well, 20u);
