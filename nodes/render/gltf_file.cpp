@@ -243,6 +243,13 @@ GltfFile::GltfFile(const std::string& bytes, const std::string& path) : path_(pa
                             error.empty() ? "a part is missing or of the wrong kind" : error));
 }
 
+std::vector<std::string> GltfFile::unread_extensions() const {
+    std::set<std::string> unread;
+    for (const std::string& name : model_.extensionsUsed)
+        if (!understood.contains(name)) unread.insert(name);
+    return {unread.begin(), unread.end()};
+}
+
 void GltfFile::fail(const std::string& element, const std::string& why) const {
     throw Error(fmt::format("{}: {}: {}", path_, element, why));
 }

@@ -21,6 +21,8 @@ class GltfFile {
 
     const tinygltf::Model& model() const { return model_; }
     const std::string& path() const { return path_; }
+    // Extensions that it uses and can be read without, as it is then.
+    std::vector<std::string> unread_extensions() const;
 
     // Throws Error "FILE: ELEMENT: why".
     [[noreturn]] void fail(const std::string& element, const std::string& why) const;

@@ -3,6 +3,7 @@
 // skinned and morphed meshes a mesh of their own with the vertices at both its ends.
 // Light units: candela, lux and nit are taken as W/sr, W/m2 and W/(sr m2): one unit for all.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -36,6 +37,11 @@ class Reader {
           poses_(file_, options.animation) {}
 
     Scene scene() {
+        if (const auto unread = file_.unread_extensions(); !unread.empty())
+            warnings_.push_back(
+                fmt::format("{}: extensions that are not read: {}; it is as it is "
+                            "without them",
+                            file_.path(), fmt::join(unread, ", ")));
         uv_sets_ = add_gltf_materials(file_, scene_, warnings_);
         place_nodes();
         for (const size_t node : order_) {

@@ -221,6 +221,19 @@ TEST(Gltf, EachTextureReadsItsOwnTextureCoordinates) {
               std::string::npos);
 }
 
+TEST(Gltf, ExtensionsThatAreNotReadAreNamed) {
+    const Triangle t;
+    const std::string used =
+        R"("extensionsUsed":["KHR_materials_ior","KHR_materials_sheen","KHR_materials_clearcoat","KHR_materials_sheen"],)";
+    const std::string expected =
+        "test.gltf: extensions that are not read: KHR_materials_clearcoat, KHR_materials_sheen; it "
+        "is as it is without them";
+    read(t.text(used + one_node));
+    EXPECT_EQ(warnings.at(0), expected);
+    read(t.text(R"("extensionsUsed":["KHR_materials_ior"],)" + one_node));
+    EXPECT_EQ(warnings.size(), 1u);  // no camera
+}
+
 TEST(Gltf, CamerasAndLights) {
     const Triangle t;
     const std::string rest =
