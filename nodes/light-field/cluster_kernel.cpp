@@ -80,7 +80,7 @@ void rank_by_depth(const float* depth, size_t n, std::uint32_t* rank) {
             for (size_t k = 0; k < 4; ++k) count(hn::Le(other, mine[k]), k);
         }
         const auto among = [&]<size_t own>() HWY_ATTR {
-            const VI me = hn::Iota(sn, std::int32_t(j));
+            const VI me = hn::BitCast(sn, numbers_from(std::uint32_t(j)));
             for (const size_t end = std::min(j + lanes, n); j < end; ++j) {
                 const VF other = hn::Set(f, depth[j]);
                 for (size_t k = 0; k < own; ++k) count(hn::Lt(other, mine[k]), k);

@@ -145,7 +145,7 @@ void gather_each(const Hierarchy& h, Block& block, const Locations& at, float ra
                     const Pack pack(in);
                     pack.store(dx, end.dx + k);
                     pack.store(dy, end.dy + k);
-                    pack.store(hn::Iota(un, std::uint32_t(j)), end.sample + k);
+                    pack.store(numbers_from(std::uint32_t(j)), end.sample + k);
                     k += pack.count;
                     note(0, c, in);
                     note(1, hn::Mul(inverse, hn::NegMulAdd(VW, hn::NegMulAdd(c1, lens_x, px), VX)), in);

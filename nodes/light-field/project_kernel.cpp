@@ -98,7 +98,7 @@ struct Projector {
             pack.store(y, &block.y[n]);
             pack.store(hn::BitCast(un, cell), &block.cell[n]);
             pack.store(traits, &block.traits[n]);
-            pack.store(hn::Iota(un, std::uint32_t(i)), &block.sample[n]);
+            pack.store(numbers_from(std::uint32_t(i)), &block.sample[n]);
             n += pack.count;
         }
     }

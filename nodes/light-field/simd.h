@@ -22,6 +22,18 @@ inline constexpr U un{};
 inline constexpr size_t lanes = hn::MaxLanes(F());
 static_assert(lanes == 4 || lanes == 8 || lanes == 16);
 
+// first, first + 1, ... (Highway's Iota stores lane by lane, and waits to load what it stored.)
+struct LaneNumbers {
+    alignas(64) std::array<std::uint32_t, lanes> of{};
+    constexpr LaneNumbers() {
+        for (unsigned lane = 0; lane < lanes; ++lane) of[lane] = lane;
+    }
+};
+inline constexpr LaneNumbers lane_numbers;
+HWY_INLINE VU numbers_from(std::uint32_t first) {
+    return hn::Add(hn::Load(un, lane_numbers.of.data()), hn::Set(un, first));
+}
+
 // The true lanes of a mask, as bits.
 template <class D, class M>
 HWY_INLINE unsigned bits_of(D d, M mask) {
