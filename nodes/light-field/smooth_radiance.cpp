@@ -12,17 +12,65 @@
 namespace weft {
 namespace light_field {
 
-SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
+namespace {
+
+// Cuts memory for arrays of n values into them, with some to spare.
+void lay_out(LargeArray<float>& memory, size_t n, std::initializer_list<std::span<float>*> arrays) {
+    constexpr size_t spare = 16;  // vectors may be read past the end
+    memory.resize((n + spare) * arrays.size());
+    std::span<float> rest(memory);
+    for (std::span<float>* array : arrays) {
+        *array = rest.first(n + spare);
+        rest = rest.subspan(n + spare);
+        std::fill(array->begin() + std::ptrdiff_t(n), array->end(), 1.0f);
+    }
+}
+
+// Runs of samples of one row, no wider than what they look at.
+std::vector<SampleField::Block> blocks_of(const SampleField& s, float widest) {
+    std::vector<SampleField::Block> blocks;
+    blocks.reserve(s.size / SampleField::block_size * 5 / 4);
+    for (int row = 0; row < s.rows; ++row) {
+        const std::uint32_t* start = &s.start[size_t(row) * size_t(s.columns)];
+        const std::uint32_t end = start[s.columns];
+        for (std::uint32_t i = start[0]; i < end;) {
+            const std::uint32_t begin = i,
+                                most = std::min(end, i + std::uint32_t(SampleField::block_size));
+            while (++i < most && std::abs(s.x[i] - s.x[begin]) < widest) {
+            }
+            blocks.push_back({begin, i});
+        }
+    }
+    return blocks;
+}
+
+}  // namespace
+
+Filtered::Filtered(size_t n) {
+    lay_out(memory, n, {&r, &g, &b, &weight});
+}
+
+Changes::Changes(size_t n) {
+    static_assert(Smoothing::widths == 4);
+    auto& [a, b, c, sharp] = of;
+    lay_out(memory, n,
+            {&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b,
+             &c.gain, &c.way, &c.r, &c.g, &c.b, &sharp.gain, &sharp.way});
+}
+
+SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     const size_t n = samples.size();
     const Lens lens = samples.has_lens() ? *samples.lens : Lens{};
     SampleField s;
     s.size = n;
     // Positions may lie outside the picture by what lens and motion move them; beyond a quarter they share cells.
     const float border = 0.25f * float(std::max(samples.width, samples.height));
-    s.cell = cell;
+    // There are some 4.8 samples in a square of the radius.
+    s.cell_width = 0.3f * radius;
+    s.cell_height = 1.8f * radius;
     s.x0 = s.y0 = -border;
-    s.columns = int((float(samples.width) + 2 * border) / cell) + 1;
-    s.rows = int((float(samples.height) + 2 * border) / cell) + 1;
+    s.columns = int((float(samples.width) + 2 * border) / s.cell_width) + 1;
+    s.rows = int((float(samples.height) + 2 * border) / s.cell_height) + 1;
     s.moving = samples.has_motion();
     LargeArray<float> x(n), y(n);
     LargeArray<std::uint64_t> keys(n);
@@ -48,7 +96,8 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
     for (std::uint64_t key : keys) ++s.start[key + 1];
     for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
     s.order = sorted(std::move(keys), ctx);
-    lay_out(s.memory, n, s.x, s.y, s.slope, s.velocity_x, s.velocity_y, s.log_depth, s.r, s.g, s.b);
+    lay_out(s.memory, n,
+            {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b});
     const auto rgb = samples.rgb();
     ctx.parallel_for(
         n,
@@ -66,6 +115,7 @@ SampleField sample_field(const Samples& samples, float cell, Context& ctx) {
             s.b[to] = rgb[3 * i + 2];
         },
         4096);
+    s.blocks = blocks_of(s, 4 * radius);
     return s;
 }
 
@@ -73,23 +123,28 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
     const size_t n = samples.size();
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
-    const SampleField s = sample_field(samples, 0.75f * radius, ctx);
     by.window = by.width.back();
+    const SampleField s = sample_field(samples, radius, ctx);
+    const size_t blocks = s.blocks.size();
     std::atomic<size_t> done = 0;
     const auto each = [&](auto&& work) {
-        ctx.parallel(n, 1024, [&](size_t begin, size_t end) {
-            work(begin, end);
-            ctx.progress(double(done += end - begin), 4 * double(n), "samples");
+        ctx.parallel(blocks, 64, [&](size_t first, size_t last) {
+            work(first, last);
+            ctx.progress(double(done += last - first), 3 * double(blocks), "blocks of samples");
         });
     };
     Filtered filtered(n);
-    Changes changes(s.x.size());
-    std::vector<Treatment> best(n);
+    Changes changes(n);
     std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
-    each([&](size_t begin, size_t end) { WEFT_PICK(filter_samples)(s, by, begin, end, filtered); });
-    each([&](size_t begin, size_t end) { WEFT_PICK(find_errors)(s, filtered, by, begin, end, changes); });
-    each([&](size_t begin, size_t end) { WEFT_PICK(choose)(s, changes, by, begin, end, best); });
-    each([&](size_t begin, size_t end) { WEFT_PICK(treat)(s, filtered, best, by, begin, end, rgb); });
+    each([&](size_t first, size_t last) {
+        WEFT_PICK(filter_samples)(s, by, first, last, filtered);
+    });
+    each([&](size_t first, size_t last) {
+        WEFT_PICK(find_errors)(s, filtered, by, first, last, changes);
+    });
+    each([&](size_t first, size_t last) {
+        WEFT_PICK(treat)(s, filtered, changes, by, first, last, rgb);
+    });
     return rgb;
 }
 
@@ -117,7 +172,7 @@ struct SmoothRadiance {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 110 * n, 2000 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 140 * n, 800 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -149,7 +204,7 @@ struct SmoothRadiance {
     }
 };
 
-WEFT_NODE(SmoothRadiance, "smooth-radiance", 3)
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 4)
 
 }  // namespace
 }  // namespace weft

@@ -1,95 +1,53 @@
+#include "light-field/smooth_radiance_kernel.h"
+
 #include <algorithm>
 #include <cmath>
-#include <vector>
 #include <limits>
 
 #include "light-field/simd.h"
-#include "light-field/smooth_radiance_kernel.h"
+#include "light-field/surroundings.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
 
 constexpr size_t widths = Smoothing::widths, treatments = Smoothing::treatments;
 
-// A place on a surface, in every lane.
-struct Place {
-    float px, py;
-    VF x, y, slope, vx, vy, depth;
-    Place(const SampleField& s, size_t at)
-        : px(s.x[at]), py(s.y[at]), x(hn::Set(f, s.x[at])), y(hn::Set(f, s.y[at])), slope(hn::Set(f, s.slope[at])),
-          vx(hn::Set(f, s.velocity_x[at])), vy(hn::Set(f, s.velocity_y[at])), depth(hn::Set(f, s.log_depth[at])) {}
+// work(at, n) for the samples of each block, a vector at once: n of them, from `at` on, after their
+// surroundings were found.
+template <class Around, class Work>
+HWY_INLINE void each_vector(const SampleField& s, size_t first, size_t last, Around& around,
+                            Work&& work) {
+    for (size_t block = first; block < last; ++block) {
+        const auto [begin, end] = s.blocks[block];
+        around.find(begin, end);
+        for (size_t at = begin; at < end; at += lanes) work(at, std::min(size_t(end) - at, lanes));
+    }
+}
+
+// Writes n lanes: what follows is another block's.
+HWY_INLINE void put(VF value, size_t n, float* to) {
+    if (n == lanes) return hn::StoreU(value, f, to);
+    alignas(64) float all[lanes];
+    hn::Store(value, f, all);
+    std::copy_n(all, n, to);
+}
+
+struct Color {
+    VF r, g, b;
 };
-
-// The neighbours of samples within `reach` on their surfaces. Samples of one cell look through the same runs of
-// samples, which are found once for all of them.
-class Neighbours {
-  public:
-    Neighbours(const SampleField& field, const Smoothing& by, float reach)
-        : s_(field), limit_(hn::Set(f, reach * reach)), slope_(hn::Set(f, by.slope)),
-          velocity_(hn::Set(f, by.velocity)), depth_(hn::Set(f, by.depth)) {
-        // How many cells to either side the disks around a cell's points reach into, so many rows away.
-        for (int rows = 0;; ++rows) {
-            const float away = std::max(0.0f, float(rows - 1) * field.cell - 1e-3f);
-            if (away > reach) break;
-            const float half = std::sqrt(reach * reach - away * away) + 1e-3f;
-            columns_.push_back(int(std::ceil(half / field.cell)));
-        }
-    }
-
-    // work(i, distance, mask) for vectors i ... of samples of which some may be neighbours of the place's, sample `at`.
-    template <class Work>
-    HWY_INLINE void each(size_t at, const Place& place, Work&& work) {
-        look_up(at);
-        for (size_t k = 0; k < count_; ++k) {
-            const Vector v = vectors_[k];
-            const size_t i = v.first;
-            const VF dx = hn::Sub(hn::LoadU(f, &s_.x[i]), place.x), dy = hn::Sub(hn::LoadU(f, &s_.y[i]), place.y);
-            const VF d2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
-            auto near = hn::And(hn::Lt(d2, limit_), hn::FirstN(f, v.count));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.slope[i]), place.slope), slope_));
-            near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.log_depth[i]), place.depth), depth_));
-            if (s_.moving) {
-                near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.velocity_x[i]), place.vx), velocity_));
-                near = hn::And(near, hn::Le(hn::AbsDiff(hn::LoadU(f, &s_.velocity_y[i]), place.vy), velocity_));
-            }
-            work(i, hn::Sqrt(d2), near);
-        }
-    }
-
-  private:
-    struct Vector {
-        std::uint32_t first, count;
-    };
-
-    void look_up(size_t at) {
-        const int column = s_.column_of(s_.x[at]), row = s_.row_of(s_.y[at]);
-        if (column == column_ && row == row_) return;
-        column_ = column;
-        row_ = row;
-        // (The outermost cells hold whatever lies beyond them, too; that is no nearer to others than they are.)
-        const int rows = int(columns_.size()) - 1;
-        size_t n = 0;
-        for (int r = std::max(row - rows, 0), bottom = std::min(row + rows, s_.rows - 1); r <= bottom; ++r) {
-            const int across = columns_[size_t(std::abs(r - row))];
-            const std::uint32_t* start = &s_.start[size_t(r) * size_t(s_.columns)];
-            std::uint32_t i = start[std::max(column - across, 0)];
-            const std::uint32_t end = start[std::min(column + across, s_.columns - 1) + 1];
-            const size_t most = n + (end - i) / lanes + 1;
-            if (vectors_.size() < most) vectors_.resize(2 * most);
-            for (; i < end; i += lanes) vectors_[n++] = {i, std::min(end - i, std::uint32_t(lanes))};
-        }
-        count_ = n;
-    }
-
-    const SampleField& s_;
-    const VF limit_, slope_, velocity_, depth_;
-    int column_ = -1, row_ = -1;  // of the cell whose runs these are
-    std::vector<Vector> vectors_;
-    size_t count_ = 0;
-    std::vector<int> columns_;
-};
-
-float sum(VF v) { return hn::GetLane(hn::SumOfLanes(f, v)); }
+HWY_INLINE Color operator-(const Color& a, const Color& b) {
+    return {hn::Sub(a.r, b.r), hn::Sub(a.g, b.g), hn::Sub(a.b, b.b)};
+}
+HWY_INLINE Color chosen(hn::Mask<F> which, const Color& yes, const Color& no) {
+    return {hn::IfThenElse(which, yes.r, no.r), hn::IfThenElse(which, yes.g, no.g),
+            hn::IfThenElse(which, yes.b, no.b)};
+}
+// Sum of squares, each by its weight.
+HWY_INLINE VF squares(const Color& of, const Color& weight) {
+    const VF r = hn::Mul(hn::Mul(of.r, of.r), weight.r), g = hn::Mul(hn::Mul(of.g, of.g), weight.g),
+             b = hn::Mul(hn::Mul(of.b, of.b), weight.b);
+    return hn::Add(hn::Add(r, g), b);
+}
 
 // Weighted sums of radiance.
 struct Sums {
@@ -100,192 +58,236 @@ struct Sums {
         g = hn::MulAdd(weight, green, g);
         b = hn::MulAdd(weight, blue, b);
     }
+    HWY_INLINE Color over(VF all) const {
+        return {hn::Div(r, all), hn::Div(g, all), hn::Div(b, all)};
+    }
+};
+
+// Sums of sharpened radiance, and of the weights' share in those of the samples they are of.
+struct Sharp {
+    Sums sums;
+    VF overlap = hn::Zero(f);
+};
+
+// Of the changes that treatments make to what is around: weighted sums, and those of gains squared.
+struct Gains {
+    std::array<VF, treatments - 1> gain, spread, way;
+    Gains() {
+        for (auto* sums : {&gain, &spread, &way}) sums->fill(hn::Zero(f));
+    }
 };
 
 // Least and greatest of radiances.
 struct Range {
-    VF most, least = most, greatest = hn::Neg(most);
-    HWY_INLINE void add(hn::Mask<decltype(f)> which, VF value) {
+    VF least = hn::Set(f, std::numeric_limits<float>::max()), greatest = hn::Neg(least);
+    HWY_INLINE void add(hn::Mask<F> which, VF value) {
         least = hn::IfThenElse(which, hn::Min(least, value), least);
         greatest = hn::IfThenElse(which, hn::Max(greatest, value), greatest);
     }
-    // Past the ends by a quarter of the least: the same at both, so that what is too dark and what is too bright cancel.
-    float limit(float value) const {
-        const float low = hn::GetLane(hn::MinOfLanes(f, least)), past = 0.25f * std::abs(low);
-        return std::clamp(value, low - past, hn::GetLane(hn::MaxOfLanes(f, greatest)) + past);
+    // Past the ends by a quarter of the least: the same at both, so that what is too dark and what
+    // is too bright cancel.
+    HWY_INLINE VF limit(VF value) const {
+        const VF past = hn::Mul(hn::Set(f, 0.25f), hn::Abs(least));
+        return hn::Min(hn::Max(value, hn::Sub(least, past)), hn::Add(greatest, past));
     }
 };
 
-// 1 - distance / width.
-HWY_INLINE VF tent(VF distance, VF per_width) { return hn::NegMulAdd(distance, per_width, hn::Set(f, 1.0f)); }
+// 1 - distance / width, 0 past the width.
+HWY_INLINE VF tent(VF distance, VF per_width) {
+    return hn::Max(hn::Zero(f), hn::NegMulAdd(distance, per_width, hn::Set(f, 1.0f)));
+}
+HWY_INLINE VF squared_tent(VF distance, VF per_width) {
+    const VF part = tent(distance, per_width);
+    return hn::Mul(part, part);
+}
+// 2 y - mean
+HWY_INLINE VF sharpened(VF y, VF mean) {
+    return hn::MulSub(hn::Set(f, 2.0f), y, mean);
+}
+
+// What is left of samples when predictions are taken off them that they have a share in: leaving
+// them out stretches the difference.
+struct Left {
+    Color own, mean;  // the widest
+
+    HWY_INLINE Color by(const Color& guess, VF share) const {
+        const VF one = hn::Set(f, 1.0f), stretch = hn::Div(one, hn::Sub(one, share));
+        // A sample all alone is predicted by the widest mean, which is itself.
+        const auto alone = hn::Ge(share, hn::Set(f, 0.999f));
+        const auto part = [&](VF y, VF guessed, VF around) HWY_ATTR {
+            return hn::IfThenElse(alone, hn::Sub(y, around), hn::Mul(hn::Sub(y, guessed), stretch));
+        };
+        return {part(own.r, guess.r, mean.r), part(own.g, guess.g, mean.g),
+                part(own.b, guess.b, mean.b)};
+    }
+};
 
 }  // namespace
 
-void filter_samples(const SampleField& s, const Smoothing& by, size_t begin, size_t end, Filtered& out) {
+void filter_samples(const SampleField& s, const Smoothing& by, size_t first, size_t last,
+                    Filtered& out) {
     const VF per_width = hn::Set(f, 1.0f / by.width[0]);
-    Neighbours narrow(s, by, by.width[0]);
-    for (size_t at = begin; at < end; ++at) {
-        Sums sums;
-        narrow.each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
-            const VF part = tent(distance, per_width), weight = hn::IfThenElseZero(near, hn::Mul(part, part));
-            sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
-        });
-        const float weight = sum(sums.w);  // 1 at least, the sample's own
-        out.weight[at] = weight;
-        out.r[at] = sum(sums.r) / weight;
-        out.g[at] = sum(sums.g) / weight;
-        out.b[at] = sum(sums.b) / weight;
-    }
+    Surroundings<1> around(s, by, std::span(by.width).first(1));
+    each_vector(s, first, last, around, [&](size_t at, size_t n) HWY_ATTR {
+        const Sums sums =
+            around.each(0, Places(s, at), Sums(),
+                        [&](Sums& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
+                            of.add(on_surface(squared_tent(distance, per_width)),
+                                   hn::Set(f, s.r[i]), hn::Set(f, s.g[i]), hn::Set(f, s.b[i]));
+                        });
+        const Color mean = sums.over(sums.w);  // 1 at least, the sample's own
+        put(sums.w, n, &out.weight[at]);
+        put(mean.r, n, &out.r[at]);
+        put(mean.g, n, &out.g[at]);
+        put(mean.b, n, &out.b[at]);
+    });
 }
 
-void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing& by, size_t begin, size_t end,
-                 Changes& out) {
-    const VF zero = hn::Zero(f);
+void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing& by, size_t first,
+                 size_t last, Changes& out) {
     VF per_width[widths];
     for (size_t k = 0; k < widths; ++k) per_width[k] = hn::Set(f, 1.0f / by.width[k]);
-    Neighbours wide_ones(s, by, by.width[widths - 1]), narrow(s, by, by.width[0]);
-    for (size_t at = begin; at < end; ++at) {
-        const Place place(s, at);
-        Sums wide[widths];
-        wide_ones.each(at, place, [&](size_t i, VF distance, auto near) HWY_ATTR {
-            const VF r = hn::LoadU(f, &s.r[i]), g = hn::LoadU(f, &s.g[i]), b = hn::LoadU(f, &s.b[i]);
-            for (size_t k = 1; k < widths; ++k)
-                wide[k].add(hn::IfThenElseZero(near, hn::Max(zero, tent(distance, per_width[k]))), r, g, b);
-        });
-        Sums sharp;
-        VF overlap = zero;
-        narrow.each(at, place, [&](size_t i, VF distance, auto near) HWY_ATTR {
-            const VF part = tent(distance, per_width[0]), weight = hn::IfThenElseZero(near, hn::Mul(part, part));
-            const auto doubled = [&](std::span<const float> y, std::span<const float> mean) HWY_ATTR {
-                const VF value = hn::LoadU(f, &y[i]);
-                return hn::Sub(hn::Add(value, value), hn::LoadU(f, &mean[i]));
-            };
-            sharp.add(weight, doubled(s.r, filtered.r), doubled(s.g, filtered.g), doubled(s.b, filtered.b));
-            overlap = hn::Add(overlap, hn::IfThenElseZero(near, hn::Div(hn::Mul(weight, weight), hn::LoadU(f, &filtered.weight[i]))));
-        });
-        const float own[3] = {s.r[at], s.g[at], s.b[at]};
-        // Predictions with the sample itself among them, and its share in each: leaving it out multiplies the
-        // difference from it by 1 / (1 - share).
-        float guess[treatments][3], share[treatments];
-        const auto put = [&](size_t k, float r, float g, float b, float part) {
-            guess[k][0] = r, guess[k][1] = g, guess[k][2] = b, share[k] = part;
+    const VF one = hn::Set(f, 1.0f), floor = hn::Set(f, by.epsilon * by.epsilon);
+    Surroundings<widths> around(s, by, by.width);
+    each_vector(s, first, last, around, [&](size_t at, size_t n) HWY_ATTR {
+        const Places places(s, at);
+        const auto look_near = [&](Sharp& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
+            const VF weight = on_surface(squared_tent(distance, per_width[0]));
+            const auto doubled =
+                [i](std::span<const float> y, std::span<const float> mean)
+                    HWY_ATTR { return sharpened(hn::Set(f, y[i]), hn::Set(f, mean[i])); };
+            of.sums.add(weight, doubled(s.r, filtered.r), doubled(s.g, filtered.g),
+                        doubled(s.b, filtered.b));
+            of.overlap = hn::Add(of.overlap,
+                                 hn::Div(hn::Mul(weight, weight), hn::Set(f, filtered.weight[i])));
         };
-        put(0, filtered.r[at], filtered.g[at], filtered.b[at], 1 / filtered.weight[at]);
+        const Sharp sharp = around.each(0, places, Sharp(), look_near);
+        Sums wide[widths];
+        // The widths from `least` on, in the rings that they reach.
+        const auto look = [&](size_t ring, auto least) HWY_ATTR {
+            using Reached = std::array<Sums, widths - least>;
+            Reached sums;
+            std::copy_n(wide + least, sums.size(), sums.begin());
+            sums = around.each(
+                ring, places, sums,
+                [&](Reached& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
+                    const VF r = hn::Set(f, s.r[i]), g = hn::Set(f, s.g[i]), b = hn::Set(f, s.b[i]);
+                    for (size_t k = 0; k < of.size(); ++k)
+                        of[k].add(on_surface(tent(distance, per_width[least + k])), r, g, b);
+                });
+            std::copy_n(sums.begin(), sums.size(), wide + least);
+        };
+        static_assert(widths == 4);
+        look(0, std::integral_constant<size_t, 1>());
+        look(1, std::integral_constant<size_t, 1>());
+        look(2, std::integral_constant<size_t, 2>());
+        look(3, std::integral_constant<size_t, 3>());
+
+        Color mean[widths];
+        for (size_t k = 1; k < widths; ++k) mean[k] = wide[k].over(wide[k].w);
+        const auto loaded = [at](std::span<const float> from)
+                                HWY_ATTR { return hn::LoadU(f, &from[at]); };
+        const Left left{{loaded(s.r), loaded(s.g), loaded(s.b)}, mean[widths - 1]};
+        const auto per_level = [&](VF level) HWY_ATTR {
+            return hn::Div(one, hn::MulAdd(level, level, floor));
+        };
+        const Color weights{per_level(left.mean.r), per_level(left.mean.g), per_level(left.mean.b)};
+        const VF narrow = loaded(filtered.weight);
+        const Color as_is = left.by({loaded(filtered.r), loaded(filtered.g), loaded(filtered.b)},
+                                    hn::Div(one, narrow));
+        const VF error = squares(as_is, weights);
+        const auto put_change = [&](size_t k, const Color& guess, VF share) HWY_ATTR {
+            const Color here = left.by(guess, share);
+            // Where they differ by rounding only (of two samples, each is predicted by the other),
+            // the lesser treatment is the better.
+            const VF gain =
+                hn::NegMulAdd(hn::Set(f, 1 - 1e-5f * float(k)), error, squares(here, weights));
+            put(gain, n, &out.of[k - 1].gain[at]);
+            put(squares(here - as_is, weights), n, &out.of[k - 1].way[at]);
+        };
         for (size_t k = 1; k < widths; ++k) {
-            const float weight = sum(wide[k].w);
-            put(k, sum(wide[k].r) / weight, sum(wide[k].g) / weight, sum(wide[k].b) / weight, 1 / weight);
+            put_change(k, mean[k], hn::Div(one, wide[k].w));
+            put(mean[k].r, n, &out.of[k - 1].r[at]);
+            put(mean[k].g, n, &out.of[k - 1].g[at]);
+            put(mean[k].b, n, &out.of[k - 1].b[at]);
         }
         // Of H + H (1 - H), with H_ij = w_ij / W_i.
-        const float weight = filtered.weight[at];
-        put(widths, sum(sharp.r) / weight, sum(sharp.g) / weight, sum(sharp.b) / weight, (2 - sum(overlap)) / weight);
-        const float* mean = guess[widths - 1];
-        const auto off = [&](size_t k, size_t c) {
-            // A sample all alone is predicted by the widest mean, which is itself.
-            return share[k] < 0.999f ? (own[c] - guess[k][c]) / (1 - share[k]) : own[c] - mean[c];
-        };
-        float as_is[3], per_level[3];
-        for (size_t c = 0; c < 3; ++c) {
-            as_is[c] = off(0, c);
-            per_level[c] = 1 / (mean[c] * mean[c] + by.epsilon * by.epsilon);
-        }
-        for (size_t k = 1; k < treatments; ++k) {
-            float gain = 0, way = 0;
-            for (size_t c = 0; c < 3; ++c) {
-                const float error = off(k, c), apart = error - as_is[c];
-                gain += (error * error - as_is[c] * as_is[c]) * per_level[c];
-                way += apart * apart * per_level[c];
-            }
-            out.gain[out.at(k, at)] = gain;
-            out.way[out.at(k, at)] = way;
-        }
-    }
+        put_change(widths, sharp.sums.over(narrow),
+                   hn::Div(hn::Sub(hn::Set(f, 2.0f), sharp.overlap), narrow));
+    });
 }
 
-void choose(const SampleField& s, const Changes& changes, const Smoothing& by, size_t begin, size_t end,
-            std::vector<Treatment>& best) {
-    const VF zero = hn::Zero(f), per_window = hn::Set(f, 1.0f / by.window);
-    // Averages change little from one sample to the next on a surface: the last few choices are taken again.
-    constexpr size_t kept = 4;
-    size_t last[kept], known = 0;
-    const float near2 = 0.5f * by.width[0] * by.width[0];
-    Neighbours around(s, by, by.window);
-    for (size_t at = begin; at < end; ++at) {
-        const auto alike = [&](size_t other) {
-            const float dx = s.x[at] - s.x[other], dy = s.y[at] - s.y[other];
-            return dx * dx + dy * dy <= near2 && std::abs(s.slope[at] - s.slope[other]) <= by.slope &&
-                   std::abs(s.log_depth[at] - s.log_depth[other]) <= by.depth &&
-                   std::abs(s.velocity_x[at] - s.velocity_x[other]) <= by.velocity &&
-                   std::abs(s.velocity_y[at] - s.velocity_y[other]) <= by.velocity;
-        };
-        const size_t* of = std::find_if(last, last + std::min(known, kept), alike);
-        if (of != last + std::min(known, kept)) {
-            best[at] = best[*of];
-            continue;
-        }
-        last[known++ % kept] = at;
-        VF gains[treatments], spread[treatments], ways[treatments];
-        for (size_t k = 1; k < treatments; ++k) gains[k] = spread[k] = ways[k] = zero;
-        around.each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
-            const VF weight = hn::IfThenElseZero(near, tent(distance, per_window));
-            for (size_t k = 1; k < treatments; ++k) {
-                const VF gain = hn::Mul(weight, hn::LoadU(f, &changes.gain[changes.at(k, i)]));
-                gains[k] = hn::Add(gains[k], gain);
-                spread[k] = hn::MulAdd(gain, gain, spread[k]);
-                ways[k] = hn::MulAdd(weight, hn::LoadU(f, &changes.way[changes.at(k, i)]), ways[k]);
+void treat(const SampleField& s, const Filtered& filtered, const Changes& changes,
+           const Smoothing& by, size_t first, size_t last, std::span<float> rgb) {
+    const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f), width = hn::Set(f, by.width[0]),
+             per_window = hn::Set(f, 1.0f / by.window);
+    Surroundings<2> around(s, by, std::array{by.width[0], by.window});
+    each_vector(s, first, last, around, [&](size_t at, size_t n) HWY_ATTR {
+        const Places places(s, at);
+        const auto weigh = [&](Gains& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
+            const VF weight = on_surface(tent(distance, per_window));
+            for (size_t k = 0; k < treatments - 1; ++k) {
+                const VF gain = hn::Mul(weight, hn::Set(f, changes.of[k].gain[i]));
+                of.gain[k] = hn::Add(of.gain[k], gain);
+                of.spread[k] = hn::MulAdd(gain, gain, of.spread[k]);
+                of.way[k] = hn::MulAdd(weight, hn::Set(f, changes.of[k].way[i]), of.way[k]);
             }
-        });
-        float least = 0;
-        best[at] = {};
+        };
+        const Gains gains = around.each(1, places, around.each(0, places, Gains(), weigh), weigh);
+        VF least = zero, part = zero;
+        VU kind = hn::Zero(un);
         for (size_t k = 1; k < treatments; ++k) {
-            const float caution = k == widths ? by.sharp_caution : by.caution;
-            const float gain = sum(gains[k]) + caution * std::sqrt(sum(spread[k])), way = sum(ways[k]);
-            if (!(gain < way)) continue;
-            // Part a of the way from the sample as it is changes the error by a (gain - way) + a^2 way.
-            const float part = std::min(1.0f, 0.5f * (way - gain) / way), score = part * (gain - way + part * way);
-            if (score < least) {
-                least = score;
-                best[at] = {std::uint8_t(k), part};
-            }
+            const VF caution = hn::Set(f, k == widths ? by.sharp_caution : by.caution);
+            const VF gain = hn::MulAdd(caution, hn::Sqrt(gains.spread[k - 1]), gains.gain[k - 1]);
+            const VF way = gains.way[k - 1];
+            // Part a of the way from the sample as it is changes the error by a (gain - way) + a^2
+            // way.
+            const VF less = hn::Sub(gain, way),
+                     a = hn::Min(one, hn::Div(less, hn::Mul(hn::Set(f, -2.0f), way)));
+            const VF score = hn::Mul(a, hn::MulAdd(a, way, less));
+            const auto better =
+                hn::And(hn::And(hn::Lt(less, zero), hn::Gt(way, zero)), hn::Lt(score, least));
+            least = hn::IfThenElse(better, score, least);
+            part = hn::IfThenElse(better, a, part);
+            kind = hn::IfThenElse(hn::RebindMask(un, better), hn::Set(un, std::uint32_t(k)), kind);
         }
-    }
-}
-
-void treat(const SampleField& s, const Filtered& filtered, const std::vector<Treatment>& best, const Smoothing& by,
-           size_t begin, size_t end, std::span<float> rgb) {
-    static_assert(widths == 4);
-    Neighbours by_width[widths] = {{s, by, by.width[0]}, {s, by, by.width[1]}, {s, by, by.width[2]}, {s, by, by.width[3]}};
-    Neighbours& narrow = by_width[0];
-    for (size_t at = begin; at < end; ++at) {
-        const auto [k, part] = best[at];
-        if (k == 0) continue;
-        const float own[3] = {s.r[at], s.g[at], s.b[at]};
-        float* to = &rgb[3 * size_t(s.order[at])];
-        const auto put = [&](float r, float g, float b) {
-            const float treated[3] = {r, g, b};
-            for (size_t c = 0; c < 3; ++c) to[c] = own[c] + part * (treated[c] - own[c]);
+        const auto is = [&](size_t k) HWY_ATTR {
+            return hn::RebindMask(f, hn::Eq(kind, hn::Set(un, std::uint32_t(k))));
         };
-        if (k == widths) {
-            // Within what its neighbours are, or else one bright sample leaves dark ones around it and grows itself.
-            const VF most = hn::Set(f, std::numeric_limits<float>::max());
-            Range red{most}, green{most}, blue{most};
-            narrow.each(at, Place(s, at), [&](size_t i, VF, auto near) HWY_ATTR {
-                red.add(near, hn::LoadU(f, &s.r[i]));
-                green.add(near, hn::LoadU(f, &s.g[i]));
-                blue.add(near, hn::LoadU(f, &s.b[i]));
-            });
-            put(red.limit(2 * own[0] - filtered.r[at]), green.limit(2 * own[1] - filtered.g[at]),
-                blue.limit(2 * own[2] - filtered.b[at]));
-            continue;
+        const auto loaded = [at](std::span<const float> from)
+                                HWY_ATTR { return hn::LoadU(f, &from[at]); };
+        const Color own{loaded(s.r), loaded(s.g), loaded(s.b)};
+        Color treated = own;
+        for (size_t k = 1; k < widths; ++k)
+            treated = chosen(
+                is(k), {loaded(changes[k].r), loaded(changes[k].g), loaded(changes[k].b)}, treated);
+        if (!hn::AllFalse(f, is(widths))) {
+            // Within what its neighbours are, or else one bright sample leaves dark ones around it
+            // and grows itself.
+            const auto look = [&](std::array<Range, 3>& of, size_t i, VF distance,
+                                  auto on_surface) HWY_ATTR {
+                const auto near = hn::Gt(on_surface(hn::Sub(width, distance)), zero);
+                of[0].add(near, hn::Set(f, s.r[i]));
+                of[1].add(near, hn::Set(f, s.g[i]));
+                of[2].add(near, hn::Set(f, s.b[i]));
+            };
+            const auto [red, green, blue] = around.each(0, places, std::array<Range, 3>(), look);
+            treated = chosen(is(widths),
+                             {red.limit(sharpened(own.r, loaded(filtered.r))),
+                              green.limit(sharpened(own.g, loaded(filtered.g))),
+                              blue.limit(sharpened(own.b, loaded(filtered.b)))},
+                             treated);
         }
-        Sums sums;
-        const VF per_width = hn::Set(f, 1.0f / by.width[k]);
-        by_width[k].each(at, Place(s, at), [&](size_t i, VF distance, auto near) HWY_ATTR {
-            const VF weight = hn::IfThenElseZero(near, tent(distance, per_width));
-            sums.add(weight, hn::LoadU(f, &s.r[i]), hn::LoadU(f, &s.g[i]), hn::LoadU(f, &s.b[i]));
-        });
-        const float weight = sum(sums.w);  // 1 at least, the sample's own
-        put(sum(sums.r) / weight, sum(sums.g) / weight, sum(sums.b) / weight);
-    }
+        const Color way = treated - own;
+        alignas(64) float r[lanes], g[lanes], b[lanes];
+        hn::Store(hn::MulAdd(part, way.r, own.r), f, r);
+        hn::Store(hn::MulAdd(part, way.g, own.g), f, g);
+        hn::Store(hn::MulAdd(part, way.b, own.b), f, b);
+        for (size_t j = 0; j < n; ++j) {
+            float* to = &rgb[3 * size_t(s.order[at + j])];
+            to[0] = r[j], to[1] = g[j], to[2] = b[j];
+        }
+    });
 }
 
 }  // namespace weft::light_field::WEFT_ISA

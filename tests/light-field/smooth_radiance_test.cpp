@@ -183,13 +183,12 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     for (Isa isa : instruction_sets()) {
         const PinnedIsa pinned(isa);
         Filtered filtered(n);
-        WEFT_PICK(filter_samples)(s, by, 0, n, filtered);
-        Changes changes(s.x.size());
-        WEFT_PICK(find_errors)(s, filtered, by, 0, n, changes);
-        std::vector<Treatment> best(n);
-        WEFT_PICK(choose)(s, changes, by, 0, n, best);
+        const size_t blocks = s.blocks.size();
+        WEFT_PICK(filter_samples)(s, by, 0, blocks, filtered);
+        Changes changes(n);
+        WEFT_PICK(find_errors)(s, filtered, by, 0, blocks, changes);
         std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
-        WEFT_PICK(treat)(s, filtered, best, by, 0, n, rgb);
+        WEFT_PICK(treat)(s, filtered, changes, by, 0, blocks, rgb);
 
         for (size_t i = 0; i < n; i += 5) EXPECT_NEAR(filtered.g[i], mean(0, i, radiance[1], n), 1e-4);
         for (size_t i = 0; i < n; i += 11) {
@@ -209,8 +208,8 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                     way += (off - as_is[c]) * (off - as_is[c]) / level;
                 }
                 if (!std::isfinite(error)) return;
-                EXPECT_NEAR(changes.gain[changes.at(k, i)], gain, precision * error + 1e-4) << k;
-                EXPECT_NEAR(changes.way[changes.at(k, i)], way, precision * error + 1e-4) << k;
+                EXPECT_NEAR(changes[k].gain[i], gain, precision * error + 1e-4) << k;
+                EXPECT_NEAR(changes[k].way[i], way, precision * error + 1e-4) << k;
             };
             for (size_t k = 1; k < 4; ++k)
                 expect(k, [&](size_t c) { return radiance[c][i] - mean(k, i, radiance[c], i); }, 1e-3);
@@ -225,7 +224,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
             share = 2 / all - share;
             if (share < 0.9) expect(4, [&](size_t c) { return (radiance[c][i] - mean(0, i, sharpened[c], n)) / (1 - share); }, 2e-3);
         }
-        size_t differ = 0, compared = 0;
+        size_t compared = 0;
         for (size_t i = 0; i < n; i += 3) {
             double best_score = 0, second = 1e9, part = 0;
             size_t expected = 0;
@@ -234,10 +233,10 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 for (size_t j = 0; j < n; ++j) {
                     const double d = distance(i, j);
                     if (d < 0 || d >= by.window) continue;
-                    const double g = (1 - d / by.window) * double(changes.gain[changes.at(k, j)]);
+                    const double g = (1 - d / by.window) * double(changes[k].gain[j]);
                     gain += g;
                     spread += g * g;
-                    way += (1 - d / by.window) * double(changes.way[changes.at(k, j)]);
+                    way += (1 - d / by.window) * double(changes[k].way[j]);
                 }
                 gain += (k == 4 ? by.sharp_caution : by.caution) * std::sqrt(spread);
                 // The least error of all mixes, by trying them.
@@ -250,11 +249,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 else second = std::min(second, score);
             }
             if (second - best_score < 1e-3 || (expected == 0 && second < 1e-3)) continue;
-            // A choice may have been taken over from a neighbour on the surface.
-            const bool same = best[i].kind == expected && std::abs(best[i].part - part) < 2e-3;
-            differ += !same;
             ++compared;
-            if (!same) continue;
             double least = radiance[0][i], greatest = least;
             for (size_t j = 0; j < n; ++j) {
                 if (weight(0, i, j) == 0) continue;
@@ -263,12 +258,11 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
             }
             const double past = 0.25 * least, sharp = std::clamp(sharpened[0][i], least - past, greatest + past);
             const double treated = expected == 0 ? radiance[0][i] : expected == 4 ? sharp : mean(expected, i, radiance[0], n);
-            const double red = radiance[0][i] + double(best[i].part) * (treated - radiance[0][i]);
+            const double red = radiance[0][i] + part * (treated - radiance[0][i]);
             if (std::isfinite(red)) {
-                EXPECT_NEAR(rgb[3 * s.order[i]], red, 1e-4);
+                EXPECT_NEAR(rgb[3 * s.order[i]], red, 1e-3);
             }
         }
-        EXPECT_LT(differ, compared / 4);
         EXPECT_GT(compared, 100u);
     }
 }
