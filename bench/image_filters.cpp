@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 
+#include "bench/cpu_time.h"
 #include "image/image.h"
 #include "runtime/isa.h"
 #include "runtime/registry.h"
@@ -17,12 +17,6 @@ using namespace weft;
 namespace {
 
 constexpr int width = 640, height = 360;
-
-double cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 Image noise(std::vector<std::string> names, float scale, size_t seed) {
     Image image(width, height, std::move(names));
@@ -62,9 +56,9 @@ int main() {
                 Outputs out;
                 out.slots.push_back({"image", &type_info<Image>(), &result, {}});
                 PlainContext ctx;
-                const double start = cpu_seconds();
+                const double start = cpu_s();
                 instance->run(in, out, ctx);
-                runs.push_back(double(width) * height / (cpu_seconds() - start) * 1e-6);
+                runs.push_back(double(width) * height / (cpu_s() - start) * 1e-6);
             }
             std::sort(runs.begin(), runs.end());
             fmt::print("{}  {:24}{:8.2f} Mpix/s  ({:.2f} to {:.2f})\n", name_of(isa), type, runs[2],

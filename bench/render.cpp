@@ -13,11 +13,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "bench/cpu_time.h"
 #include "render/path_tracer.h"
 #include "render/procedural_scene.h"
 #include "render/surface.h"
@@ -27,12 +27,6 @@ namespace {
 
 using namespace weft;
 using namespace weft::render;
-
-double cpu_s() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return double(now.tv_sec) + double(now.tv_nsec) * 1e-9;
-}
 
 struct Options {
     std::vector<std::string> scenes;

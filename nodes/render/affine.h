@@ -14,7 +14,6 @@ inline constexpr float pi = std::numbers::pi_v<float>;
 constexpr float radians(float degrees) {
     return degrees * (pi / 180);
 }
-
 inline Affine translate(Vec3 by) {
     return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by};
 }
@@ -52,6 +51,28 @@ inline bool finite(Vec3 v) {
 }
 inline bool finite(const Affine& m) {
     return finite(m.x) && finite(m.y) && finite(m.z) && finite(m.origin);
+}
+inline bool is_invertible(const Affine& m) {
+    const float size = length(m.x) * length(m.y) * length(m.z);
+    return std::isfinite(size) && size > 1e-30f && std::fabs(determinant(m)) > 1e-6f * size;
+}
+// Of an invertible one.
+inline Affine inverse(const Affine& m) {
+    const float scale = 1 / determinant(m);
+    const Vec3 a = cross(m.y, m.z) * scale, b = cross(m.z, m.x) * scale,
+               c = cross(m.x, m.y) * scale;
+    Affine out{{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}, {}};
+    out.origin = -out.vector(m.origin);
+    return out;
+}
+// Normals go by the transposed inverse; not unit.
+inline Vec3 transformed_normal(const Affine& m, Vec3 n) {
+    const Vec3 out = cross(m.y, m.z) * n.x + cross(m.z, m.x) * n.y + cross(m.x, m.y) * n.z;
+    return determinant(m) < 0 ? -out : out;
+}
+// Entry by entry: a straight way for every point.
+inline Affine lerp(const Affine& a, const Affine& b, float s) {
+    return {lerp(a.x, b.x, s), lerp(a.y, b.y, s), lerp(a.z, b.z, s), lerp(a.origin, b.origin, s)};
 }
 // The place without its scale and skew: what is left is a rotation and a translation.
 inline Affine rigid(const Affine& m) {

@@ -49,8 +49,8 @@ Camera::Camera(const SceneCamera& c, int width, int height) {
         fail(fmt::format("its focus distance is {}; expected above 0", c.focus));
     if (!(c.lens_aspect > 0) || !std::isfinite(c.lens_aspect))
         fail(fmt::format("its lens aspect is {}; expected above 0", c.lens_aspect));
-    placement_ = Placement(c.to_world);
-    still_ = placement_.matrices()[0];
+    motion_ = KeyedMotion(c.to_world);
+    still_ = motion_.matrices()[0];
     still_inverse_ = inverse(still_);
     scale_ = 0.5f * float(height) / std::tan(0.5f * c.vertical_fov);
     center_x_ = 0.5f * float(width);
@@ -95,8 +95,8 @@ Vec2 Camera::depth_gradient(float film_x, float film_y, float u, float v, float 
 
 Json Camera::meta() const {
     Json camera = Json::object();
-    camera.set("world_to_camera", world_to_camera(placement_.matrices().front()));
-    if (moving()) camera.set("world_to_camera_end", world_to_camera(placement_.matrices().back()));
+    camera.set("world_to_camera", world_to_camera(motion_.matrices().front()));
+    if (moving()) camera.set("world_to_camera_end", world_to_camera(motion_.matrices().back()));
     Json rows = Json::list();
     rows.items.push_back(numbers({scale_, 0, center_x_}));
     rows.items.push_back(numbers({0, scale_, center_y_}));

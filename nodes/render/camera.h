@@ -6,7 +6,7 @@
 //                  confusion is c(z) = C0 / z + C1 with C0 = -scale R, C1 = scale R / focus
 #pragma once
 #include "graph/json.h"
-#include "render/placement.h"
+#include "render/keyed_motion.h"
 #include "samples/lens_shape.h"
 
 namespace weft::render {
@@ -37,19 +37,17 @@ class Camera {
     const ShutterCurve& shutter() const { return shutter_; }
     // Angle of a pixel, about: how a ray's footprint grows with distance.
     float pixel_spread() const { return 1 / scale_; }
-    bool moving() const { return placement_.moving(); }
+    bool moving() const { return motion_.moving(); }
 
     // What `meta.camera` says: world_to_camera at the shutter's opening (and at its end where it
     // moves), camera_to_pixel.
     Json meta() const;
 
   private:
-    Affine at(float time) const { return moving() ? placement_.at(time) : still_; }
-    Affine from(float time) const {
-        return moving() ? inverse(placement_.at(time)) : still_inverse_;
-    }
+    Affine at(float time) const { return moving() ? motion_.at(time) : still_; }
+    Affine from(float time) const { return moving() ? inverse(motion_.at(time)) : still_inverse_; }
 
-    Placement placement_;
+    KeyedMotion motion_;
     Affine still_, still_inverse_;
     float scale_, center_x_, center_y_, radius_, focus_, aspect_;
     Lens lens_;

@@ -21,6 +21,8 @@ void require(bool good, const std::string& what, const std::string& why) {
 
 void check_keys(const std::vector<Affine>& keys, const std::string& what) {
     require(!keys.empty(), what, "has no place");
+    require(keys.size() <= most_motion_keys, what,
+            fmt::format("has {} motion keys; at most {} work", keys.size(), most_motion_keys));
     for (const Affine& key : keys) require(finite(key), what, "its place is not finite");
 }
 
@@ -58,6 +60,8 @@ void check_material(const Material& m, const Scene& scene, const std::string& wh
 void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& what) {
     require(mesh.steps >= 1 && mesh.positions.size() % size_t(mesh.steps) == 0, what,
             fmt::format("{} positions in {} keys", mesh.positions.size(), mesh.steps));
+    require(size_t(mesh.steps) <= most_motion_keys, what,
+            fmt::format("has {} motion keys; at most {} work", mesh.steps, most_motion_keys));
     require(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size(), what,
             fmt::format("{} normals for {} positions", mesh.normals.size(), mesh.positions.size()));
     for (const auto* uv : {&mesh.uv, &mesh.uv2}) {

@@ -17,7 +17,6 @@
 #include "render/gltf_materials.h"
 #include "render/gltf_meshes.h"
 #include "render/motion_keys.h"
-#include "render/placement.h"
 #include "render/scene_file.h"
 #include "render/shapes.h"
 
@@ -195,7 +194,7 @@ class Reader {
     }
 
     void place(size_t node, int mesh, std::vector<Affine> keys) {
-        if (!std::all_of(keys.begin(), keys.end(), render::is_invertible)) {
+        if (!std::all_of(keys.begin(), keys.end(), is_invertible)) {
             // Flattened to a plane or less: the vertices take it.
             if (keys.size() > 1) {
                 warnings_.push_back(

@@ -60,7 +60,7 @@ Lights::Lights(const RayScene& rays, const Textures* textures) : rays_(rays) {
                         [](const Affine& m) { return finite(m) && is_invertible(m); });
         if (usable) {
             one.kind = Kind(int(light.shape));
-            one.placement = Placement(light.to_world);
+            one.placement = placement_of(light);
         }
         one.radiance = light.radiance;
         one.unseen = !light.visible;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/placement.h"
+#include "render/keyed_motion.h"
 
 namespace weft {
 namespace {
@@ -28,12 +28,12 @@ std::vector<Affine> fewest_keys(const std::vector<Affine>& samples) {
     }
     if (samples.size() < 2 || (turn < 1e-6f && way <= 1e-7f * (length(first.origin) + size)))
         return {first};
-    const bool sound = std::all_of(samples.begin(), samples.end(), render::is_invertible);
+    const bool sound = std::all_of(samples.begin(), samples.end(), is_invertible);
     const size_t steps = samples.size() - 1;
     for (size_t stride = steps; stride > 1 && sound; stride /= 2) {
         std::vector<Affine> keys;
         for (size_t i = 0; i <= steps; i += stride) keys.push_back(samples[i]);
-        const render::Placement between(keys);
+        const render::KeyedMotion between(keys);
         float worst = 0;
         for (size_t i = 0; i <= steps; ++i)
             worst =

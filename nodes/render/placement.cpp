@@ -1,129 +1,71 @@
 #include "render/placement.h"
 
 #include <algorithm>
+#include <cassert>
+
+#include "render/keyed_motion.h"
 
 namespace weft::render {
 namespace {
 
-Quaternion quaternion_of(Vec3 x, Vec3 y, Vec3 z) {
-    // The largest of the four is found first, so that no division is by a small number.
-    const float trace = x.x + y.y + z.z;
-    Quaternion q;
-    if (trace > 0) {
-        const float s = 2 * std::sqrt(trace + 1);
-        q = {s / 4, (y.z - z.y) / s, (z.x - x.z) / s, (x.y - y.x) / s};
-    } else if (x.x >= y.y && x.x >= z.z) {
-        const float s = 2 * std::sqrt(1 + x.x - y.y - z.z);
-        q = {(y.z - z.y) / s, s / 4, (y.x + x.y) / s, (z.x + x.z) / s};
-    } else if (y.y >= z.z) {
-        const float s = 2 * std::sqrt(1 + y.y - x.x - z.z);
-        q = {(z.x - x.z) / s, (y.x + x.y) / s, s / 4, (z.y + y.z) / s};
-    } else {
-        const float s = 2 * std::sqrt(1 + z.z - x.x - y.y);
-        q = {(x.y - y.x) / s, (z.x + x.z) / s, (z.y + y.z) / s, s / 4};
+// Straight steps from key to key that keep the axes' ends within `tolerance` of the largest axis.
+// A chord lies within h^2 / 8 max |f''| of its arc of length h; with f = R S, S linear, the second
+// derivative of an axis is at most angle^2 |S| + 2 angle |S'|.
+size_t steps_a_key(const KeyedMotion& motion, float tolerance) {
+    float size = 0;
+    for (const Affine& m : motion.matrices())
+        size = std::max({size, length(m.x), length(m.y), length(m.z)});
+    float worst = 0;
+    for (size_t k = 0; k + 1 < motion.parts().size(); ++k) {
+        const Decomposed &a = motion.parts()[k], &b = motion.parts()[k + 1];
+        const float angle = angle_between(a.rotation, b.rotation);
+        const Vec3 scale = b.scale - a.scale;
+        const float xy = b.skew_xy - a.skew_xy, xz = b.skew_xz - a.skew_xz,
+                    yz = b.skew_yz - a.skew_yz;
+        const float change =
+            std::max({std::fabs(scale.x), std::hypot(xy, scale.y), length(Vec3{xz, yz, scale.z})});
+        worst = std::max(worst, angle * (angle + 2 * change / size) / 8);
     }
-    const float n = 1 / std::sqrt(q.r * q.r + q.i * q.i + q.j * q.j + q.k * q.k);
-    return {q.r * n, q.i * n, q.j * n, q.k * n};
-}
-
-float cosine(const Quaternion& a, const Quaternion& b) {
-    return a.r * b.r + a.i * b.i + a.j * b.j + a.k * b.k;
-}
-
-Quaternion slerp(const Quaternion& a, Quaternion b, float s) {
-    float c = cosine(a, b);
-    if (c < 0) b = {-b.r, -b.i, -b.j, -b.k}, c = -c;
-    float wa = 1 - s, wb = s;
-    if (c < 0.9995f) {
-        const float angle = std::acos(c), scale = 1 / std::sin(angle);
-        wa = std::sin((1 - s) * angle) * scale;
-        wb = std::sin(s * angle) * scale;
-    }
-    const Quaternion q{wa * a.r + wb * b.r, wa * a.i + wb * b.i, wa * a.j + wb * b.j,
-                       wa * a.k + wb * b.k};
-    const float n = 1 / std::sqrt(cosine(q, q));
-    return {q.r * n, q.i * n, q.j * n, q.k * n};
-}
-
-bool same_rotation(const Quaternion& a, const Quaternion& b) {
-    // Half an angle of 8e-4: between such keys a straight line is off by less than 1e-6.
-    return std::fabs(cosine(a, b)) > 1 - 3e-7f;
+    return std::max<size_t>(1, size_t(std::ceil(std::sqrt(worst / tolerance))));
 }
 
 }  // namespace
 
-Decomposed decompose(const Affine& m) {
-    Decomposed out;
-    const Vec3 x = unit(m.x);
-    out.scale.x = length(m.x);
-    out.skew_xy = dot(x, m.y);
-    const Vec3 across = m.y - x * out.skew_xy, y = unit(across);
-    out.scale.y = dot(y, m.y);
-    const Vec3 z = cross(x, y);  // a mirrored transform has a negative scale along z
-    out.skew_xz = dot(x, m.z);
-    out.skew_yz = dot(y, m.z);
-    out.scale.z = dot(z, m.z);
-    out.rotation = quaternion_of(x, y, z);
-    out.translation = m.origin;
-    return out;
-}
-
-Affine compose(const Decomposed& d) {
-    const auto [r, i, j, k] = d.rotation;
-    const Vec3 x{1 - 2 * (j * j + k * k), 2 * (i * j + r * k), 2 * (i * k - r * j)};
-    const Vec3 y{2 * (i * j - r * k), 1 - 2 * (i * i + k * k), 2 * (j * k + r * i)};
-    const Vec3 z{2 * (i * k + r * j), 2 * (j * k - r * i), 1 - 2 * (i * i + j * j)};
-    return {x * d.scale.x, x * d.skew_xy + y * d.scale.y,
-            x * d.skew_xz + y * d.skew_yz + z * d.scale.z, d.translation};
-}
-
-Decomposed interpolate(const Decomposed& a, const Decomposed& b, float s) {
-    const auto mixed = [s](float p, float q) { return p + (q - p) * s; };
-    return {slerp(a.rotation, b.rotation, s), lerp(a.scale, b.scale, s),
-            mixed(a.skew_xy, b.skew_xy),      mixed(a.skew_xz, b.skew_xz),
-            mixed(a.skew_yz, b.skew_yz),      lerp(a.translation, b.translation, s)};
-}
-
-bool is_invertible(const Affine& m) {
-    const float size = length(m.x) * length(m.y) * length(m.z);
-    return std::isfinite(size) && size > 1e-30f && std::fabs(determinant(m)) > 1e-6f * size;
-}
-
-Affine inverse(const Affine& m) {
-    const float scale = 1 / determinant(m);
-    const Vec3 a = cross(m.y, m.z) * scale, b = cross(m.z, m.x) * scale,
-               c = cross(m.x, m.y) * scale;
-    Affine out{{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}, {}};
-    out.origin = -out.vector(m.origin);
-    return out;
-}
-
-Vec3 transformed_normal(const Affine& m, Vec3 n) {
-    const Vec3 out = cross(m.y, m.z) * n.x + cross(m.z, m.x) * n.y + cross(m.x, m.y) * n.z;
-    return determinant(m) < 0 ? -out : out;
-}
-
 Placement::Placement(const std::vector<Affine>& keys) {
-    const bool still = std::all_of(keys.begin(), keys.end(),
-                                   [&](const Affine& key) { return key == keys.front(); });
-    matrices_ = still ? std::vector<Affine>{keys.front()} : keys;
-    for (const Affine& m : matrices_) {
-        keys_.push_back(decompose(m));
-        linear_ = linear_ && same_rotation(keys_.back().rotation, keys_.front().rotation);
+    assert(!keys.empty() && keys.size() <= most_motion_keys);
+    const KeyedMotion motion(keys);
+    matrices_ = motion.matrices();
+    if (!moving()) return;
+    const size_t intervals = matrices_.size() - 1;
+    size_t steps = steps_a_key(motion, straight_enough);
+    // Pieces of equal length, each of whole steps.
+    while (intervals * steps > pieces_ * most_steps) {
+        pieces_ *= 2;
+        steps = (steps + pieces_ - 1) / pieces_ * pieces_;
     }
+    if (steps == 1) return;
+    matrices_.clear();
+    for (size_t i = 0; i < intervals * steps; ++i)
+        matrices_.push_back(motion.between(i / steps, float(i % steps) / float(steps)));
+    matrices_.push_back(motion.matrices().back());
 }
 
 Affine Placement::at(float time) const {
-    if (keys_.size() == 1) return matrices_[0];
-    const float place = time * float(keys_.size() - 1);
-    const size_t i = std::min(size_t(std::max(place, 0.0f)), keys_.size() - 2);
-    const float s = place - float(i);
-    if (linear_) {
-        const Affine &a = matrices_[i], &b = matrices_[i + 1];
-        return {lerp(a.x, b.x, s), lerp(a.y, b.y, s), lerp(a.z, b.z, s),
-                lerp(a.origin, b.origin, s)};
-    }
-    return compose(interpolate(keys_[i], keys_[i + 1], s));
+    if (!moving()) return matrices_[0];
+    // In this order, as Embree has it: both find the same place between the same two matrices.
+    const size_t steps = steps_a_piece();
+    const float in_pieces = std::max(time, 0.0f) * float(pieces_);
+    const size_t piece = std::min(size_t(in_pieces), pieces_ - 1);
+    const float place = (in_pieces - float(piece)) * float(steps);
+    const size_t step = std::min(size_t(place), steps - 1), i = piece * steps + step;
+    return lerp(matrices_[i], matrices_[i + 1], place - float(step));
+}
+
+Placement placement_of(const Light& light) {
+    if (light.shape != Light::Shape::sphere) return Placement(light.to_world);
+    std::vector<Affine> keys;
+    for (const Affine& m : light.to_world) keys.push_back(translate(m.origin) * scale(length(m.x)));
+    return Placement(keys);
 }
 
 }  // namespace weft::render

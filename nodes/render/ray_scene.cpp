@@ -13,11 +13,7 @@
 namespace weft::render {
 namespace {
 
-constexpr size_t most_keys = RTC_MAX_TIME_STEP_COUNT;
-
-[[noreturn]] void fail(const std::string& message) {
-    throw Error(message);
-}
+static_assert(most_motion_keys == RTC_MAX_TIME_STEP_COUNT);
 
 void embree_error(void*, RTCError code, const char* text) {
     // Called inside Embree, which must not be left by an exception; misuse is our mistake, and
@@ -108,26 +104,19 @@ RTCScene new_scene(RTCDevice device) {
     return scene;
 }
 
-void set_transforms(RTCGeometry instance, const Placement& placement) {
-    rtcSetGeometryTimeStepCount(instance, unsigned(placement.keys().size()));
-    for (unsigned step = 0; step < placement.keys().size(); ++step) {
-        if (placement.linear()) {
-            const Affine& m = placement.matrices()[step];
-            const float columns[12] = {m.x.x, m.x.y, m.x.z, m.y.x,      m.y.y,      m.y.z,
-                                       m.z.x, m.z.y, m.z.z, m.origin.x, m.origin.y, m.origin.z};
-            rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-            continue;
-        }
-        const Decomposed& d = placement.keys()[step];
-        RTCQuaternionDecomposition q;
-        rtcInitQuaternionDecomposition(&q);
-        rtcQuaternionDecompositionSetQuaternion(&q, d.rotation.r, d.rotation.i, d.rotation.j,
-                                                d.rotation.k);
-        rtcQuaternionDecompositionSetScale(&q, d.scale.x, d.scale.y, d.scale.z);
-        rtcQuaternionDecompositionSetSkew(&q, d.skew_xy, d.skew_xz, d.skew_yz);
-        rtcQuaternionDecompositionSetTranslation(&q, d.translation.x, d.translation.y,
-                                                 d.translation.z);
-        rtcSetGeometryTransformQuaternion(instance, step, &q);
+// One of the placement's pieces; the instance is there during its part of the shutter only.
+void set_transforms(RTCGeometry instance, const Placement& placement, size_t piece) {
+    const size_t steps = placement.steps_a_piece();
+    const float length = 1 / float(placement.pieces());
+    rtcSetGeometryTimeStepCount(instance, unsigned(steps + 1));
+    if (placement.pieces() > 1)
+        rtcSetGeometryTimeRange(instance, float(piece) * length, float(piece + 1) * length);
+    for (size_t step = 0; step <= steps; ++step) {
+        const Affine& m = placement.matrices()[piece * steps + step];
+        const float columns[12] = {m.x.x, m.x.y, m.x.z, m.y.x,      m.y.y,      m.y.z,
+                                   m.z.x, m.z.y, m.z.z, m.origin.x, m.origin.y, m.origin.z};
+        rtcSetGeometryTransform(instance, unsigned(step), RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                                columns);
     }
 }
 
@@ -156,7 +145,7 @@ struct RayScene::Embree {
     RTCScene world = nullptr;
     std::vector<RTCScene> scenes;  // of instanced meshes and lights
     Embree() : device(rtcNewDevice(nullptr)) {
-        if (!device) fail("Embree cannot start on this machine");
+        if (!device) throw Error("Embree cannot start on this machine");
         rtcSetDeviceErrorFunction(device, embree_error, nullptr);
     }
     ~Embree() {
@@ -170,9 +159,6 @@ struct RayScene::Embree {
 void RayScene::add_objects() {
     const auto usable = [&](const std::vector<Affine>& keys, const char* kind,
                             const std::string& name) {
-        if (keys.size() > most_keys)
-            fail(fmt::format("{} '{}' has {} motion keys; at most {} work", kind, name, keys.size(),
-                             most_keys));
         if (std::all_of(keys.begin(), keys.end(), is_invertible)) return true;
         left_out_.push_back(
             fmt::format("{} '{}' is squashed flat (its transform has no inverse)", kind, name));
@@ -183,9 +169,6 @@ void RayScene::add_objects() {
         if (!usable(instance.to_world, "instance", instance.name)) continue;
         const Mesh& mesh = scene_.meshes[size_t(instance.mesh)];
         if (mesh.triangles.empty()) continue;
-        if (size_t(mesh.steps) > most_keys)
-            fail(fmt::format("mesh '{}' has {} motion keys; at most {} work", mesh.name, mesh.steps,
-                             most_keys));
         Object object;
         object.mesh = &mesh;
         object.instance = int(i);
@@ -204,12 +187,15 @@ void RayScene::add_objects() {
                       : light.shape == Light::Shape::disc ? Object::Kind::disc
                                                           : Object::Kind::sphere;
         object.light = int(i);
-        object.placement = Placement(light.to_world);
+        object.placement = placement_of(light);
         objects_.push_back(std::move(object));
     }
-    for (const Object& object : objects_) {
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+        const Object& object = objects_[i];
         has_cutouts_ = has_cutouts_ || object.masked;
         has_motion_ = has_motion_ || object.moving();
+        for (size_t piece = 0; piece < object.placement.pieces(); ++piece)
+            pieces_.push_back({i, std::uint16_t(piece), object.kind});
     }
 }
 
@@ -252,9 +238,9 @@ RayScene::RayScene(const Scene& scene, Context& ctx) : scene_(scene) {
 
     embree_->world = new_scene(device);
     ctx.parallel_for(
-        objects_.size(),
+        pieces_.size(),
         [&](size_t i) {
-            const Object& object = objects_[i];
+            const Object& object = objects_[pieces_[i].object];
             RTCGeometry geometry;
             if (baked(object)) {
                 const Affine& to_world = object.placement.matrices()[0];
@@ -263,7 +249,7 @@ RayScene::RayScene(const Scene& scene, Context& ctx) : scene_(scene) {
             } else {
                 geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
                 rtcSetGeometryInstancedScene(geometry, embree_->scenes[below(object)]);
-                set_transforms(geometry, object.placement);
+                set_transforms(geometry, object.placement, pieces_[i].piece);
             }
             rtcSetGeometryMask(geometry, object.light >= 0 ? light_mask
                                          : object.masked   ? cutout_mask
@@ -297,24 +283,30 @@ void* RayScene::embree_scene() const {
 }
 
 Affine RayScene::embree_transform(size_t object, float time) const {
+    const size_t pieces = objects_[object].placement.pieces();
+    const size_t piece = std::min(size_t(time * float(pieces)), pieces - 1);
+    const auto first =
+        std::lower_bound(pieces_.begin(), pieces_.end(), object,
+                         [](const ObjectPiece& p, size_t of) { return p.object < of; });
+    const auto id = unsigned(size_t(first - pieces_.begin()) + piece);
     float m[12];
-    rtcGetGeometryTransform(rtcGetGeometry(embree_->world, unsigned(object)), time,
+    rtcGetGeometryTransform(rtcGetGeometry(embree_->world, id), time,
                             RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, m);
     return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}, {m[9], m[10], m[11]}};
 }
 
 namespace {
 
-void store_hit(Rays& rays, size_t i, const std::vector<Object>& objects, unsigned geometry,
+void store_hit(Rays& rays, size_t i, const std::vector<ObjectPiece>& pieces, unsigned geometry,
                unsigned instance, unsigned primitive, float u, float v, Vec3 ng, float distance) {
     if (geometry == RTC_INVALID_GEOMETRY_ID) {
         rays.object[i] = no_object;
         return;
     }
-    const unsigned object = instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry;
-    rays.object[i] = object;
+    const ObjectPiece& hit = pieces[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry];
+    rays.object[i] = hit.object;
     rays.distance[i] = distance;
-    if (objects[object].kind == Object::Kind::sphere) {
+    if (hit.kind == Object::Kind::sphere) {
         const Vec3 n = unit(ng);
         rays.primitive[i] = n.z < 0;
         rays.u[i] = n.x, rays.v[i] = n.y;
@@ -325,7 +317,7 @@ void store_hit(Rays& rays, size_t i, const std::vector<Object>& objects, unsigne
 }
 
 template <int width, class Packet, class Intersect>
-void trace_packet(RTCScene world, const std::vector<Object>& objects, Rays& rays, size_t begin,
+void trace_packet(RTCScene world, const std::vector<ObjectPiece>& pieces, Rays& rays, size_t begin,
                   size_t end, Intersect intersect) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -346,9 +338,9 @@ void trace_packet(RTCScene world, const std::vector<Object>& objects, Rays& rays
         }
         intersect(valid, world, &context, &p);
         for (size_t k = 0; k < n; ++k)
-            store_hit(rays, first + k, objects, p.hit.geomID[k], p.hit.instID[0][k],
-                      p.hit.primID[k], p.hit.u[k], p.hit.v[k],
-                      {p.hit.Ng_x[k], p.hit.Ng_y[k], p.hit.Ng_z[k]}, p.ray.tfar[k]);
+            store_hit(rays, first + k, pieces, p.hit.geomID[k], p.hit.instID[0][k], p.hit.primID[k],
+                      p.hit.u[k], p.hit.v[k], {p.hit.Ng_x[k], p.hit.Ng_y[k], p.hit.Ng_z[k]},
+                      p.ray.tfar[k]);
     }
 }
 
@@ -364,16 +356,16 @@ void RayScene::intersect(Rays& rays, size_t begin, size_t end) const {
                  rays.dz[i], rays.time[i], rays.far[i], rays.mask[i], 0,          0};
         r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(embree_->world, &context, &r);
-        store_hit(rays, i, objects_, r.hit.geomID, r.hit.instID[0], r.hit.primID, r.hit.u, r.hit.v,
+        store_hit(rays, i, pieces_, r.hit.geomID, r.hit.instID[0], r.hit.primID, r.hit.u, r.hit.v,
                   {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, r.ray.tfar);
     }
 }
 
 void RayScene::intersect_packet(Rays& rays, size_t begin, size_t end) const {
     if (packet_width_ == 16)
-        trace_packet<16, RTCRayHit16>(embree_->world, objects_, rays, begin, end, rtcIntersect16);
+        trace_packet<16, RTCRayHit16>(embree_->world, pieces_, rays, begin, end, rtcIntersect16);
     else if (packet_width_ == 8)
-        trace_packet<8, RTCRayHit8>(embree_->world, objects_, rays, begin, end, rtcIntersect8);
+        trace_packet<8, RTCRayHit8>(embree_->world, pieces_, rays, begin, end, rtcIntersect8);
     else
         intersect(rays, begin, end);
 }

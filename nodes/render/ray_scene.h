@@ -1,8 +1,7 @@
 // RayScene: a Scene made ready for rays, in Embree 3.
-//   objects   what a ray can hit: placed meshes, and visible area lights (quad, disc, sphere),
-//   which
-//             are seen from their bright side only
-//   motion    instance keys by Embree's own instance motion, vertex keys by its time steps; time in
+//   objects   what a ray can hit: placed meshes, and visible area lights (quad, disc, sphere), seen
+//             from their bright side only
+//   motion    a placement's straight steps and a mesh's vertex keys by Embree's time steps; time in
 //             [0, 1]
 //   build     meshes in parallel through the context, each by one thread: the same tree, hence the
 //             same bits, whatever the number of threads
@@ -30,6 +29,13 @@ struct Object {
     std::uint32_t id = 0;
     Placement placement;
     bool moving() const { return placement.moving() || (mesh && mesh->steps > 1); }
+};
+
+// What Embree holds of an object: all of it, or one of its placement's pieces.
+struct ObjectPiece {
+    std::uint32_t object;
+    std::uint16_t piece;
+    Object::Kind kind;  // the object's, where each hit needs it
 };
 
 inline constexpr std::uint32_t no_object = 0xffffffff;
@@ -97,6 +103,7 @@ class RayScene {
 
     const Scene& scene_;
     std::vector<Object> objects_;
+    std::vector<ObjectPiece> pieces_;  // by Embree's number for them
     std::vector<std::string> left_out_;
     std::unique_ptr<Embree> embree_;
     bool has_cutouts_ = false, has_motion_ = false;

@@ -42,7 +42,9 @@ struct RenderSamplesNode : RenderNode {
         });
     }
     ChannelSet channels_of(const Scene& scene) const {
-        const auto moves = [](const std::vector<Affine>& keys) { return Placement(keys).moving(); };
+        const auto moves = [](const std::vector<Affine>& keys) {
+            return KeyedMotion(keys).moving();
+        };
         bool motion = moves(scene.camera.to_world);
         for (const Instance& i : scene.instances)
             motion = motion || i.to_world.size() > 1 || scene.meshes[size_t(i.mesh)].steps > 1;

@@ -21,6 +21,9 @@ struct Vec2 {
     bool operator==(const Vec2&) const = default;
 };
 
+// Of a place, or of a mesh's vertices.
+inline constexpr size_t most_motion_keys = 129;
+
 // p -> x p.x + y p.y + z p.z + origin.
 struct Affine {
     Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{};

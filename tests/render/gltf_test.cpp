@@ -6,7 +6,7 @@
 #include "render/affine.h"
 #include "render/check_scene.h"
 #include "render/gltf_maker.h"
-#include "render/placement.h"
+#include "render/keyed_motion.h"
 #include "render/scene_file.h"
 #include "run_node.h"
 
@@ -278,7 +278,7 @@ TEST(Gltf, AnimationBecomesMotionKeysOverTheShutter) {
     EXPECT_LE(keys.size(), 3u);
     EXPECT_NEAR(keys.front().origin.x, 1, 1e-4);
     EXPECT_NEAR(keys.back().origin.x, 3, 1e-4);
-    const Affine middle = render::Placement(keys).at(0.5f);
+    const Affine middle = render::KeyedMotion(keys).at(0.5f);
     EXPECT_NEAR(middle.x.z, -1, 1e-3);  // a quarter turn
     EXPECT_NEAR(middle.origin.x, 2, 1e-4);
     // A shutter of no length, and one after the end: still.
