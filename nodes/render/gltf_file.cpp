@@ -126,9 +126,10 @@ bool read_whole(std::vector<unsigned char>* out, std::string* error, const std::
         return false;
     }
 }
+// What lies in a buffer is left there: tinygltf has not looked whether it does.
 bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
                   const unsigned char* bytes, int size, void*) {
-    image->image.assign(bytes, bytes + std::max(size, 0));
+    if (image->bufferView < 0) image->image.assign(bytes, bytes + std::max(size, 0));
     image->as_is = true;
     return true;
 }
@@ -275,6 +276,14 @@ const unsigned char* GltfFile::span(int buffer_view, size_t offset, size_t count
         fail(element, fmt::format("{} elements reach past the end of buffer view {} ({} bytes)",
                                   count, buffer_view, room));
     return buffer.data.data() + view.byteOffset + offset;
+}
+
+std::string GltfFile::bytes(int buffer_view, const std::string& element) const {
+    const size_t size =
+        model_.bufferViews[index(buffer_view, model_.bufferViews.size(), element, "buffer view")]
+            .byteLength;
+    const unsigned char* data = span(buffer_view, 0, size, 1, 1, element);
+    return {data, data + size};
 }
 
 GltfFile::View GltfFile::view(int accessor, const std::string& element) const {

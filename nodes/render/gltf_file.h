@@ -35,6 +35,9 @@ class GltfFile {
     std::vector<Vec3> vectors(int accessor, const std::string& element) const;
     std::vector<std::uint32_t> indices(int accessor, const std::string& element) const;
 
+    // All of a buffer view.
+    std::string bytes(int buffer_view, const std::string& element) const;
+
   private:
     struct View {
         const unsigned char* data = nullptr;  // null: zeros

@@ -218,8 +218,11 @@ class Reader {
         const tinygltf::Image& image = model_.images[i];
         TextureFile out;
         out.color = color;
-        if (!image.image.empty()) {
-            out.bytes = std::make_shared<const std::string>(image.image.begin(), image.image.end());
+        if (image.bufferView >= 0 || !image.image.empty()) {
+            out.bytes = std::make_shared<const std::string>(
+                image.bufferView >= 0
+                    ? file_.bytes(image.bufferView, fmt::format("{}, image {}", what_, i))
+                    : std::string(image.image.begin(), image.image.end()));
             const bool png = out.bytes->starts_with("\x89PNG");
             const bool webp = out.bytes->starts_with("RIFF");
             out.path = fmt::format("{}#image{}.{}", file_.path(), i,

@@ -3,6 +3,8 @@
 #pragma once
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "graph/error.h"
@@ -36,6 +38,23 @@ inline void fuzz_gltf(std::string_view input) {
 }
 inline void fuzz_obj(std::string_view input) {
     fuzz_scene(obj_scene, input, "input.obj");
+}
+struct TemporaryFolder {
+    std::string path = (std::filesystem::temp_directory_path() / "weft-fuzz-XXXXXX").string();
+    TemporaryFolder() {
+        if (!mkdtemp(path.data())) std::abort();
+    }
+    ~TemporaryFolder() { std::filesystem::remove_all(path); }
+};
+// The input is the material file of a square; it can name itself as a picture, which is there.
+inline void fuzz_mtl(std::string_view input) {
+    static const TemporaryFolder folder;
+    const std::string file = folder.path + "/input.mtl";
+    std::ofstream(file, std::ios::binary) << input;
+    fuzz_scene(obj_scene,
+               "mtllib input.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl all\nf 1/1 2/1 3/1\n",
+               (folder.path + "/input.obj").c_str());
+    std::filesystem::remove(file);
 }
 inline void fuzz_json_scene(std::string_view input) {
     fuzz_scene(json_scene, input, "input.json");

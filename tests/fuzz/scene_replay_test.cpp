@@ -7,10 +7,13 @@ namespace weft {
 namespace {
 
 TEST(Fuzz, gltf_of_the_corpus) {
-    test::replay("gltf", 3, test::fuzz_gltf);
+    test::replay("gltf", 6, test::fuzz_gltf);
 }
 TEST(Fuzz, obj_of_the_corpus) {
     test::replay("obj", 3, test::fuzz_obj);
+}
+TEST(Fuzz, mtl_of_the_corpus) {
+    test::replay("mtl", 3, test::fuzz_mtl);
 }
 TEST(Fuzz, json_scenes_of_the_corpus) {
     test::replay("json_scene", 3, test::fuzz_json_scene);

@@ -403,6 +403,22 @@ TEST(Gltf, BrokenFilesAreTold) {
          "compression");
     says(R"("extensionsRequired":["MY_cloth"])",
          "'MY_cloth', which is not read; export it again without it");
+    const std::string pictured =
+        R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],)"
+        R"("materials":[{"normalTexture":{"index":0}}],"textures":[{"source":0}],"images":[{"bufferView":)";
+    
+    GltfMaker cut;  // the buffer ends before the picture's view of it does
+    cut.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+    cut.shorts({0, 1, 2});
+    cut.bytes_view("\x89PNG with something after it");
+    std::string text = cut.text(pictured + R"(2,"mimeType":"image/png"}])");
+    const std::string whole = R"("byteOffset":44)";
+    text.replace(text.find(whole), whole.size(), R"("byteOffset":54)");
+    EXPECT_NE(error_of([&] {
+                  read(text);
+              }).find("material 0, image 0: buffer view 2 reaches past the end of buffer 0"),
+              std::string::npos)
+        << error_of([&] { read(text); });
     says("", "nothing to see");
     EXPECT_NE(error_of([&] {
                   read("{\"asset\":{\"version\":\"1.0\"}}");
