@@ -297,50 +297,62 @@ Affine RayScene::embree_transform(size_t object, float time) const {
 
 namespace {
 
-void store_hit(Rays& rays, size_t i, const std::vector<ObjectPiece>& pieces, unsigned geometry,
-               unsigned instance, unsigned primitive, float u, float v, Vec3 ng, float distance) {
+// Says which object was hit; of a ball of light also where, from the normal.
+void name_hit(Rays& rays, size_t i, const std::vector<ObjectPiece>& pieces, unsigned geometry,
+              unsigned instance, Vec3 ng) {
     if (geometry == RTC_INVALID_GEOMETRY_ID) {
         rays.object[i] = no_object;
         return;
     }
     const ObjectPiece& hit = pieces[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry];
     rays.object[i] = hit.object;
-    rays.distance[i] = distance;
-    if (hit.kind == Object::Kind::sphere) {
-        const Vec3 n = unit(ng);
-        rays.primitive[i] = n.z < 0;
-        rays.u[i] = n.x, rays.v[i] = n.y;
-        return;
-    }
-    rays.primitive[i] = primitive;
-    rays.u[i] = u, rays.v[i] = v;
+    if (hit.kind != Object::Kind::sphere) return;
+    const Vec3 n = unit(ng);
+    rays.primitive[i] = n.z < 0;
+    rays.u[i] = n.x, rays.v[i] = n.y;
 }
 
-template <int width, class Packet, class Intersect>
+// Up to `width` values from one array to another; a whole packet's in vector moves.
+template <size_t width, class T>
+void copy_lanes(const T* from, size_t n, T* to) {
+    if (n == width)
+        std::copy_n(from, width, to);
+    else
+        std::copy_n(from, n, to);
+}
+
+template <size_t width, class Packet, class Intersect>
 void trace_packet(RTCScene world, const std::vector<ObjectPiece>& pieces, Rays& rays, size_t begin,
                   size_t end, Intersect intersect) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (size_t first = begin; first < end; first += size_t(width)) {
-        const size_t n = std::min(size_t(width), end - first);
+    for (size_t first = begin; first < end; first += width) {
+        const size_t n = std::min(width, end - first);
         alignas(64) int valid[width];
         alignas(64) Packet p;
-        for (size_t k = 0; k < size_t(width); ++k) {
-            const size_t i = first + std::min(k, n - 1);
+        if (n < width) p = {};  // what is not valid is read all the same
+        const auto load = [&](const auto& from, auto* to) {
+            copy_lanes<width>(&from[first], n, to);
+        };
+        load(rays.ox, p.ray.org_x), load(rays.oy, p.ray.org_y), load(rays.oz, p.ray.org_z);
+        load(rays.dx, p.ray.dir_x), load(rays.dy, p.ray.dir_y), load(rays.dz, p.ray.dir_z);
+        load(rays.near, p.ray.tnear), load(rays.far, p.ray.tfar);
+        load(rays.time, p.ray.time), load(rays.mask, p.ray.mask);
+        for (size_t k = 0; k < width; ++k) {
             valid[k] = k < n ? -1 : 0;
-            p.ray.org_x[k] = rays.ox[i], p.ray.org_y[k] = rays.oy[i], p.ray.org_z[k] = rays.oz[i];
-            p.ray.dir_x[k] = rays.dx[i], p.ray.dir_y[k] = rays.dy[i], p.ray.dir_z[k] = rays.dz[i];
-            p.ray.tnear[k] = rays.near[i], p.ray.tfar[k] = rays.far[i];
-            p.ray.time[k] = rays.time[i], p.ray.mask[k] = rays.mask[i];
             p.ray.id[k] = 0, p.ray.flags[k] = 0;
             p.hit.geomID[k] = p.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         }
         intersect(valid, world, &context, &p);
+        const auto store = [&](const auto* from, auto& to) {
+            copy_lanes<width>(from, n, &to[first]);
+        };
+        store(p.ray.tfar, rays.distance), store(p.hit.primID, rays.primitive);
+        store(p.hit.u, rays.u), store(p.hit.v, rays.v);
         for (size_t k = 0; k < n; ++k)
-            store_hit(rays, first + k, pieces, p.hit.geomID[k], p.hit.instID[0][k], p.hit.primID[k],
-                      p.hit.u[k], p.hit.v[k], {p.hit.Ng_x[k], p.hit.Ng_y[k], p.hit.Ng_z[k]},
-                      p.ray.tfar[k]);
+            name_hit(rays, first + k, pieces, p.hit.geomID[k], p.hit.instID[0][k],
+                     {p.hit.Ng_x[k], p.hit.Ng_y[k], p.hit.Ng_z[k]});
     }
 }
 
@@ -356,8 +368,10 @@ void RayScene::intersect(Rays& rays, size_t begin, size_t end) const {
                  rays.dz[i], rays.time[i], rays.far[i], rays.mask[i], 0,          0};
         r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(embree_->world, &context, &r);
-        store_hit(rays, i, pieces_, r.hit.geomID, r.hit.instID[0], r.hit.primID, r.hit.u, r.hit.v,
-                  {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, r.ray.tfar);
+        rays.distance[i] = r.ray.tfar, rays.primitive[i] = r.hit.primID;
+        rays.u[i] = r.hit.u, rays.v[i] = r.hit.v;
+        name_hit(rays, i, pieces_, r.hit.geomID, r.hit.instID[0],
+                 {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z});
     }
 }
 
