@@ -76,7 +76,12 @@ int main(int argc, char** argv) {
         Smoothing by;
         by.caution = o.caution;
         by.sharp_caution = o.sharp_caution;
-        samples.add("rgb", 3, smooth_radiance(samples, dispersion_radius(samples.mean_spp()), o.widest, by, ctx));
+        samples.add(Channel{
+            "rgb",
+            3,
+            standard_role("rgb"),
+            smooth_radiance(samples, dispersion_radius(samples.mean_spp()), o.widest, by, ctx),
+            {}});
     }
     smooth = cpu_ns() - smooth;
     double build = cpu_ns();

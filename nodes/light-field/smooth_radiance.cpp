@@ -119,7 +119,8 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     return s;
 }
 
-std::vector<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by, Context& ctx) {
+Array<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by,
+                             Context& ctx) {
     const size_t n = samples.size();
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
@@ -135,7 +136,7 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
     };
     Filtered filtered(n);
     Changes changes(n);
-    std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
+    const auto rgb = std::make_shared<LargeArray<float>>(3 * n);
     each([&](size_t first, size_t last) {
         WEFT_PICK(filter_samples)(s, by, first, last, filtered);
     });
@@ -143,9 +144,9 @@ std::vector<float> smooth_radiance(const Samples& samples, float radius, float w
         WEFT_PICK(find_errors)(s, filtered, by, first, last, changes);
     });
     each([&](size_t first, size_t last) {
-        WEFT_PICK(treat)(s, filtered, changes, by, first, last, rgb);
+        WEFT_PICK(treat)(s, filtered, changes, by, first, last, *rgb);
     });
-    return rgb;
+    return {*rgb, rgb};
 }
 
 }  // namespace light_field
@@ -199,7 +200,8 @@ struct SmoothRadiance {
         by.epsilon = 0.3f * float(total / double(rgb.size()));
         Samples smooth = samples;
         const float radius = radius_scale * light_field::dispersion_radius(samples.mean_spp());
-        smooth.add("rgb", 3, light_field::smooth_radiance(samples, radius, widest, by, ctx));
+        Array<float> smoothed = light_field::smooth_radiance(samples, radius, widest, by, ctx);
+        smooth.add(Channel{"rgb", 3, standard_role("rgb"), std::move(smoothed), {}});
         out.set("samples", std::move(smooth));
     }
 };

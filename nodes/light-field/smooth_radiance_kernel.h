@@ -113,6 +113,7 @@ WEFT_SMOOTHING_KERNELS(v3)
 WEFT_SMOOTHING_KERNELS(v4)
 
 // The buffer's rgb, smoothed. Widths are `radius` times 1 ... widest.
-std::vector<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by, Context& ctx);
+Array<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by,
+                             Context& ctx);
 
 }  // namespace weft::light_field

@@ -6,6 +6,7 @@
 
 #include "graph/error.h"
 #include "runtime/context.h"
+#include "runtime/large_array.h"
 #include "samples/convert.h"
 #include "samples/little_endian.h"
 
@@ -128,13 +129,13 @@ bool lies_right(std::span<const std::uint8_t> data) {
 template <class To, class Piece>
 Array<To> converted(const Npy& array, Context& ctx, Piece&& piece) {
     const auto count = size_t(array.numbers());
-    const std::shared_ptr<To[]> values(new To[count]);
+    const auto values = std::make_shared<LargeArray<To>>(count);
     const auto item = size_t(array.item_size);
     ctx.parallel(count, size_t{1} << 18, [&](size_t begin, size_t end) {
         piece(array.data.subspan(begin * item, (end - begin) * item),
-              std::span<To>(values.get() + begin, end - begin));
+              std::span(*values).subspan(begin, end - begin));
     });
-    return {std::span<const To>(values.get(), count), values};
+    return {*values, values};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "graph/error.h"
+#include "runtime/large_array.h"
 #include "samples/little_endian.h"
 
 namespace weft {
@@ -184,16 +185,16 @@ FileBytes zip_bytes(const FileBytes& file, const ZipMember& member) {
                 "says that it holds {} bytes, which {} packed bytes cannot; the file is "
                 "damaged",
                 member.size, member.packed.size()));
-        const std::shared_ptr<std::uint8_t[]> buffer(new std::uint8_t[size_t(member.size) + 1]);
+        const auto buffer = std::make_shared<LargeArray<std::uint8_t>>(size_t(member.size) + 1);
         std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
             libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
         if (!inflater) throw std::bad_alloc();
         if (libdeflate_deflate_decompress(inflater.get(), member.packed.data(),
-                                          member.packed.size(), buffer.get(), size_t(member.size),
+                                          member.packed.size(), buffer->data(), size_t(member.size),
                                           nullptr) != LIBDEFLATE_SUCCESS)
             fail("cannot be unpacked; the file is damaged");
-        result.bytes = {buffer.get(), size_t(member.size)};
-        result.owner = std::shared_ptr<const void>(buffer, buffer.get());
+        result.bytes = {buffer->data(), size_t(member.size)};
+        result.owner = buffer;
     } else if (member.method != 0) {
         fail(
             fmt::format("is packed by method {}; expected stored or deflate, as numpy.savez and "
