@@ -21,6 +21,7 @@ struct BsdfSample {
     BsdfValue value;     // a delta: weight of the lobe times `density`
     bool delta = false;  // `density` is then a probability
     bool through = false;
+    bool unbent = false;  // a delta that goes straight on: `in` is -out
 };
 
 inline Vec3 reflected(Vec3 out, Vec3 about) {

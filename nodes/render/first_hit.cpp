@@ -105,7 +105,7 @@ void write_shadow_hit(const RayScene& rays, const SurfacePoint& point, Vec3 star
     const float far = std::isinf(light.distance) ? 2 * rays.radius() + length(start - rays.center())
                                                  : light.distance;
     probe.set(0, start + light.direction * far, -light.direction, far * 1e-4f, far * (1 - 1e-5f),
-              time, solid_mask | cutout_mask);
+              time, solid_mask | sheer_mask);
     rays.intersect(probe, 0, 1);
     Vec3 position = point.position, normal = point.geometric, motion{};
     if (probe.object[0] != no_object) {

@@ -14,6 +14,7 @@ namespace weft::render {
 struct MetallicRoughnessBsdf {
     Vec3 base_color;
     float metallic, alpha, ior, transmission;
+    bool clear = false;  // smooth: what goes through is a delta, straight on
 
     BsdfValue eval(Vec3 out, Vec3 in) const {
         if (out.z <= 0 || in.z == 0) return {};
@@ -38,6 +39,8 @@ struct MetallicRoughnessBsdf {
         const Parts p = parts(out);
         Vec3 in;
         const bool passes = lobe >= p.pick_specular + p.pick_diffuse;
+        if (passes && clear)
+            return {-out, {{}, transmittance(out), p.pick_through}, true, true, true};
         if (lobe < p.pick_specular || passes) {
             in = reflected(out, Ggx{alpha}.sample_visible(out, a, b));
             if (in.z <= 0) return {};
@@ -46,6 +49,13 @@ struct MetallicRoughnessBsdf {
             in = cosine_direction(a, b);
         }
         return {in, eval(out, in), false, passes};
+    }
+
+    Vec3 transmittance(Vec3 out) const {
+        if (!clear || out.z <= 0) return {};
+        const float r = (ior - 1) / (ior + 1);
+        return base_color *
+               ((1 - metallic) * transmission * (1 - r * r) * (1 - schlick_weight(out.z)));
     }
 
   private:
@@ -80,7 +90,7 @@ struct MetallicRoughnessBsdf {
     }
     // Microfacets let light through as they reflect it, mirrored about the sheet.
     BsdfValue through(const Parts& p, Vec3 out, Vec3 in) const {
-        if (p.through <= 0) return {};
+        if (p.through <= 0 || clear) return {};
         const Vec3 above{in.x, in.y, -in.z};
         const Ggx ggx{alpha};
         const Vec3 m = unit(out + above);

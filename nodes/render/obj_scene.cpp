@@ -164,7 +164,7 @@ class Reader {
             out.kind = Material::Kind::metallic_roughness;
             out.transmission = 1 - opaque;
             out.base_color = lerp({1, 1, 1}, out.base_color, opaque);
-            out.roughness = std::min(out.roughness, 0.05f);
+            out.roughness = 0;  // seen through, not a frosted pane
         }
         out.normal_map = map(m.normal_texname, m.normal_texopt, false, m.name);
         const float bump = m.bump_texopt.bump_multiplier;

@@ -41,6 +41,7 @@ void PathTracer::Pass::start_paths() {
             w.lobe[i] = {};
             w.density[i] = 0;
             w.flags[i] = straight | was_delta;
+            w.bounces[i] = 0;
             w.width[i] = 0;
             w.spread[i] = spread;
             w.from[i] = ray.origin;

@@ -32,7 +32,7 @@ Vec3 PathTracer::Pass::sky(size_t k) const {
     return environment.radiance(direction) * weight;
 }
 
-void PathTracer::Pass::see_emission(int depth) {
+void PathTracer::Pass::see_emission() {
     for (size_t k = 0; k < alive; ++k) {
         const std::uint32_t i = w.sample[k], object = w.rays.object[k];
         Vec3 light;
@@ -52,30 +52,33 @@ void PathTracer::Pass::see_emission(int depth) {
         }
         light = light * w.throughput[k];
         const Vec3 diffuse = light * w.lobe[k];
-        add(i, depth, diffuse, light - diffuse);
-        if (depth <= 1 && wants(ChannelId::direct_unshadowed) && finite(light)) {
+        const int bounces = bounces_seen(k);
+        add({i, std::uint8_t(std::min(bounces, 2)), (w.flags[k] & indirect) != 0, diffuse,
+             light - diffuse});
+        if (bounces <= 1 && wants(ChannelId::direct_unshadowed) && finite(light)) {
             float* to = out.at(ChannelId::direct_unshadowed, i);
             to[0] += light.x, to[1] += light.y, to[2] += light.z;
         }
     }
 }
 
-void PathTracer::Pass::sample_lights(int depth) {
+void PathTracer::Pass::sample_lights(int vertex) {
     const Lights& lights = tracer.lights_;
     w.shadows.size = 0;
     if (lights.empty()) return;
-    const bool first = depth == 0;
+    const bool first = vertex == 0;
     const bool alone =
         first && wants(ChannelId::direct_unshadowed);  // no weight with the BSDF's samples
     for (size_t k = 0; k < alive; ++k) {
         w.light[k].density = 0;
         const std::uint32_t i = w.sample[k];
         if (w.rays.object[k] == no_object || w.shading.shades[k].light) continue;
+        if (w.bounces[k] >= max_depth()) continue;
         const Shade& shade = w.shading.shades[k];
         if (shade.bsdf.delta() && !first) continue;
-        const Disk point = numbers_of(w.sequence[i], w.index[i], depth, light_pair);
-        const float choice =
-            first ? w.light_choice[i] : numbers_of(w.sequence[i], w.index[i], depth, choice_pair).v;
+        const Disk point = numbers_of(w.sequence[i], w.index[i], vertex, light_pair);
+        const float choice = first ? w.light_choice[i]
+                                   : numbers_of(w.sequence[i], w.index[i], vertex, choice_pair).v;
         w.light[k] = lights.sample(shade.point.position, w.rays.time[k], choice, point.u, point.v);
         LightSample& light = w.light[k];
         if (first && wants(ChannelId::light_uv))
@@ -137,10 +140,12 @@ void PathTracer::Pass::sample_lights(int depth) {
         }
         const size_t q = queue.size++;
         queue.rays.set(q, start, direction, 0, reach, w.rays.time[k], solid_mask | light_mask);
-        queue.sample[q] = i;
-        queue.diffuse[q] = diffuse;
-        queue.specular[q] = specular;
-        queue.key[q] = mix(w.key[k] ^ 0x5368'6164'6f77ull);
+        queue.light[q] = {i,
+                          std::uint8_t(std::min(bounces_seen(k) + 1, 2)),
+                          (w.flags[k] & straight) == 0,
+                          diffuse,
+                          specular,
+                          shadow_key(w.key[k])};
         if (first && (wants(ChannelId::shadow_hit) || wants(ChannelId::shadow_normal) ||
                       wants(ChannelId::shadow_motion)))
             write_shadow_hit(scene_rays(), shade.point, start, light, w.rays.time[k],

@@ -23,4 +23,9 @@ inline Disk numbers_of(const SampleSequence& sequence, std::uint32_t index, int 
     return {unit_float(bits), unit_float(bits << 24)};
 }
 
+// Of what a shadow ray decides by chance, from its path's key.
+inline std::uint64_t shadow_key(std::uint64_t path) {
+    return mix(path ^ 0x5368'6164'6f77ull);
+}
+
 }  // namespace weft::render

@@ -7,9 +7,11 @@
 namespace weft::render {
 
 enum PathFlag : std::uint8_t {
-    straight = 1,   // only mirrored or refracted so far: sees what the camera sees
-    unsampled = 2,  // lights that could have been sampled have been, with full weight
-    was_delta = 4,  // the last bounce had no density: lights are seen by it alone
+    straight = 1,      // only mirrored or refracted so far: sees what the camera sees
+    unsampled = 2,     // lights that could have been sampled have been, with full weight
+    was_delta = 4,     // the last bounce had no density: lights are seen by it alone
+    indirect = 8,      // scattered, and bounced again since
+    behind_pane = 16,  // went straight through the first hit
 };
 
 inline std::uint64_t now_ns() {
@@ -23,7 +25,8 @@ struct Clock {
 };
 
 // A batch on its way through the stages. Each stage goes through all paths alive; path k is of
-// sample w.sample[k]. Where a stage is defined:
+// sample w.sample[k]. `vertex` counts the hits of the longest paths, from 0: sheets that a path
+// goes straight through are vertices, but no bounces. Where a stage is defined:
 //   path_camera.cpp   start_paths, trace_camera
 //   path_lights.cpp   see_emission, sky, sample_lights
 //   path_shadows.cpp  trace_shadows, occlusion
@@ -51,13 +54,15 @@ struct PathTracer::Pass {
     void trace_camera();
     void trace(std::uint64_t& ns, std::uint64_t& rays);
     void shade();
-    void see_emission(int depth);
-    void sample_lights(int depth);
-    void trace_shadows(int depth);
-    void bounce(int depth);
+    void see_emission();
+    void sample_lights(int vertex);
+    void trace_shadows();
+    void bounce(int vertex);
     void occlusion();
     void finish();
-    void add(std::uint32_t sample, int bounces, Vec3 diffuse, Vec3 specular);
+    void add(const Arriving& light);
+    // Bounces of path k, as channels count them: a sheet at the first hit is one.
+    int bounces_seen(size_t k) const { return w.bounces[k] + ((w.flags[k] & behind_pane) != 0); }
     Vec3 sky(size_t k) const;
 };
 

@@ -1,36 +1,51 @@
 // What lies between a surface and the light that was looked for, or the sky.
+#include <utility>
+
 #include "render/path_numbers.h"
 #include "render/path_pass.h"
 
 namespace weft::render {
 
-void PathTracer::Pass::trace_shadows(int depth) {
+void PathTracer::Pass::trace_shadows() {
     ShadowQueue& queue = w.shadows;
     const Clock clock(w.statistics.shadow_ns);
     w.statistics.shadow_rays += queue.size;
-    scene_rays().occluded(queue.rays, 0, queue.size);
-    if (!scene_rays().has_cutouts()) {
-        for (size_t q = 0; q < queue.size; ++q)
-            if (queue.rays.object[q] == no_object)
-                add(queue.sample[q], depth + 1, queue.diffuse[q], queue.specular[q]);
-        return;
-    }
-    // Of those that no solid thing stops: what has holes.
+    Rays& rays = queue.rays;
+    scene_rays().occluded(rays, 0, queue.size);
     size_t kept = 0;
-    Rays& r = queue.rays;
+    const auto keep = [&](size_t q, float near) {
+        rays.set(kept, rays.origin(q), rays.direction(q), near, rays.far[q], rays.time[q],
+                 sheer_mask);
+        queue.light[kept++] = queue.light[q];
+    };
+    const bool sheer = scene_rays().has_cutouts() || scene_rays().has_clear();
     for (size_t q = 0; q < queue.size; ++q) {
-        if (r.object[q] != no_object) continue;
-        r.set(kept, r.origin(q), r.direction(q), r.near[q], r.far[q], r.time[q], cutout_mask);
-        queue.sample[kept] = queue.sample[q];
-        queue.diffuse[kept] = queue.diffuse[q];
-        queue.specular[kept] = queue.specular[q];
-        queue.key[kept++] = queue.key[q];
+        if (rays.object[q] != no_object) continue;
+        if (sheer)
+            keep(q, rays.near[q]);
+        else
+            add(queue.light[q]);
     }
-    scene_rays().intersect(r, 0, kept);
-    tracer.shading_.pass_cutouts(r, kept, w.spread, queue.key, w.shading);
-    for (size_t q = 0; q < kept; ++q)
-        if (r.object[q] == no_object)
-            add(queue.sample[q], depth + 1, queue.diffuse[q], queue.specular[q]);
+    // No solid thing stops these: each sheet that they meet takes its part.
+    for (int layer = 0; layer < most_layers && kept > 0; ++layer) {
+        const size_t size = std::exchange(kept, 0);
+        scene_rays().intersect(rays, 0, size);
+        for (size_t q = 0; q < size; ++q)
+            queue.random[q] = unit_float(mix(queue.light[q].key + std::uint64_t(layer)));
+        tracer.shading_.transmittance(rays, size, tracer.camera_.pixel_spread(), queue.random,
+                                      queue.part, queue.shading);
+        for (size_t q = 0; q < size; ++q) {
+            Arriving& light = queue.light[q];
+            if (rays.object[q] == no_object) {
+                add(light);
+                continue;
+            }
+            light.diffuse = light.diffuse * queue.part[q];
+            light.specular = light.specular * queue.part[q];
+            if (largest(light.diffuse + light.specular) > 0)
+                keep(q, beyond(rays.distance[q], queue.shading.shades[q].point.error));
+        }
+    }
 }
 
 // How much of the sky a surface sees: one ray a sample, by the cosine.
@@ -41,7 +56,7 @@ void PathTracer::Pass::occlusion() {
     for (size_t k = 0; k < alive; ++k) {
         const std::uint32_t i = w.sample[k];
         if (w.rays.object[k] == no_object || w.shading.shades[k].light) {
-            add(i, 0, {}, white);
+            add({i, 0, false, {}, white});
             continue;
         }
         const Shade& shade = w.shading.shades[k];
@@ -54,12 +69,9 @@ void PathTracer::Pass::occlusion() {
         queue.rays.set(
             q, offset_origin(shade.point.position, shade.point.geometric, shade.point.error, in),
             in, 0, reach, w.rays.time[k], solid_mask);
-        queue.sample[q] = i;
-        queue.diffuse[q] = white;
-        queue.specular[q] = {};
-        queue.key[q] = mix(w.key[k] ^ 0x5368'6164'6f77ull);
+        queue.light[q] = {i, 1, false, white, {}, shadow_key(w.key[k])};
     }
-    trace_shadows(0);
+    trace_shadows();
 }
 
 }  // namespace weft::render

@@ -11,12 +11,17 @@
 namespace weft::render {
 
 // Light that reached the first hit after one bounce is `direct`, and so is what is seen itself.
-void PathTracer::Pass::add(std::uint32_t i, int bounces, Vec3 diffuse, Vec3 specular) {
-    const Vec3 all = diffuse + specular;
+void PathTracer::Pass::add(const Arriving& light) {
+    const Vec3 all = light.diffuse + light.specular;
     if (!finite(all)) return;
-    w.radiance[i] += all;
-    if (bounces <= 1) w.direct[i] += all;
-    if (bounces >= 1) w.diffuse[i] += diffuse, w.specular[i] += specular;
+    float part = 1;
+    const float most = options().clamp_indirect;
+    if (light.indirect && most > 0 && largest(all) > most) part = most / largest(all);
+    const std::uint32_t i = light.sample;
+    w.radiance[i] += all * part;
+    if (light.bounces <= 1) w.direct[i] += all * part;
+    if (light.bounces >= 1)
+        w.diffuse[i] += light.diffuse * part, w.specular[i] += light.specular * part;
 }
 
 void PathTracer::Pass::trace(std::uint64_t& ns, std::uint64_t& rays) {
@@ -27,7 +32,8 @@ void PathTracer::Pass::trace(std::uint64_t& ns, std::uint64_t& rays) {
 
 void PathTracer::Pass::shade() {
     if (scene_rays().has_cutouts())
-        tracer.shading_.pass_cutouts(w.rays, alive, w.spread, w.key, w.shading);
+        tracer.shading_.pass_cutouts(w.rays, alive, tracer.camera_.pixel_spread(), w.key,
+                                     w.shading);
     for (size_t k = 0; k < alive; ++k) {
         w.footprint[k] = w.width[k] + w.spread[k] * w.rays.distance[k];
         w.random[k] = unit_float(w.key[k]);
@@ -53,30 +59,30 @@ void PathTracer::Pass::run() {
     out.reset(options().channels, n);
     start_paths();
     trace_camera();
-    for (int depth = 0;; ++depth) {
+    for (int vertex = 0;; ++vertex) {
         shade();
-        if (depth == 0)
+        if (vertex == 0)
             w.deviation = std::max(
                 w.deviation, write_first_hits(scene_rays(), tracer.camera_, options().channels,
                                               w.rays, w.shading.shades, n, out));
-        if (depth == 1)
+        if (vertex == 1)
             write_second_hits(options().channels, w.rays, w.shading.shades,
                               {w.sample.data(), alive}, out);
         if (options().mode == Mode::ambient_occlusion) {
             occlusion();
             break;
         }
-        see_emission(depth);
-        if (depth >= max_depth()) break;
-        sample_lights(depth);
-        trace_shadows(depth);
-        bounce(depth);
+        see_emission();
+        if (vertex >= max_depth() + (scene_rays().has_clear() ? most_layers : 0)) break;
+        sample_lights(vertex);
+        trace_shadows();
+        bounce(vertex);
         if (alive == 0) break;
         trace(w.statistics.path_ns, w.statistics.path_rays);
     }
     finish();
-    w.statistics.texture_ns = w.shading.texture_ns;
-    w.statistics.lookups = w.shading.lookups;
+    w.statistics.texture_ns = w.shading.texture_ns + w.shadows.shading.texture_ns;
+    w.statistics.lookups = w.shading.lookups + w.shadows.shading.lookups;
 }
 
 PathTracer::PathTracer(const Scene& scene, const RenderOptions& options, Context& ctx)

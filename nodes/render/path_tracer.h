@@ -23,9 +23,11 @@ enum class Mode { path, direct, ambient_occlusion };
 struct RenderOptions {
     int width = 640, height = 360;
     Mode mode = Mode::path;
-    int max_depth = 8;             // bounces: 0 emission alone, 1 direct light
+    int max_depth = 8;             // bounces: 0 emission alone, 1 direct light; what goes straight
+                                   // through a thin sheet has not bounced
     int roulette_depth = 3;        // bounces before paths may end by chance
     float occlusion_distance = 0;  // ambient_occlusion: how far a ray looks; 0: everywhere
+    float clamp_indirect = 0;      // radiance that one path may bring at most, but for direct light
     Sampler sampler = Sampler::sobol;
     std::uint64_t seed = 1;
     ChannelSet channels;

@@ -3,9 +3,8 @@
 namespace weft::render {
 
 void ShadowQueue::resize(size_t n) {
-    if (n <= sample.size()) return;
-    rays.resize(n);
-    sample.resize(n), diffuse.resize(n), specular.resize(n), key.resize(n);
+    if (n <= light.size()) return;
+    rays.resize(n), light.resize(n), random.resize(n), part.resize(n);
 }
 
 void PathWorkspace::resize(size_t n) {
@@ -18,7 +17,7 @@ void PathWorkspace::resize(size_t n) {
                     &next_lobe, &from, &next_from})
         a->resize(n);
     sample.resize(n), next_sample.resize(n);
-    flags.resize(n), next_flags.resize(n);
+    flags.resize(n), next_flags.resize(n), bounces.resize(n), next_bounces.resize(n);
     key.resize(n), light.resize(n), light_value.resize(n);
     rays.resize(n), next_rays.resize(n), probe.resize(1);
     shadows.resize(n);

@@ -4,12 +4,21 @@
 
 namespace weft::render {
 
+// Light on its way to a surface, if nothing lies between.
+struct Arriving {
+    std::uint32_t sample = 0;
+    std::uint8_t bounces = 0;  // once it is there; more than two are not told apart
+    bool indirect = false;     // it has been scattered before
+    Vec3 diffuse, specular;    // by the first hit's lobe
+    std::uint64_t key = 0;
+};
 struct ShadowQueue {
     Rays rays;
-    std::vector<std::uint32_t> sample;
-    std::vector<Vec3> diffuse, specular;  // what arrives if nothing lies between, by first lobe
-    std::vector<std::uint64_t> key;
+    std::vector<Arriving> light;
     size_t size = 0;
+    std::vector<float> random;
+    std::vector<Vec3> part;  // that passes the sheet before it
+    ShadingScratch shading;
     void resize(size_t n);
 };
 
@@ -25,6 +34,7 @@ struct PathWorkspace {
     std::vector<Vec3> lobe, next_lobe;         // part of it that left the first hit diffusely
     std::vector<float> density, next_density;  // of the last direction; 0: a delta
     std::vector<std::uint8_t> flags, next_flags;
+    std::vector<int> bounces, next_bounces;
     std::vector<float> width, next_width, spread,
         next_spread;                    // footprint: at the ray's start, a unit of distance
     std::vector<Vec3> from, next_from;  // the surface point that the ray left

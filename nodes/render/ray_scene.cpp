@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include "render/bsdf.h"
 #include "render/check_scene.h"
 
 namespace weft::render {
@@ -174,6 +175,7 @@ void RayScene::add_objects() {
         object.instance = int(i);
         object.material = instance.material >= 0 ? instance.material : mesh.material;
         object.masked = masks(scene_.materials[size_t(object.material)]);
+        object.clear = may_be_clear(scene_.materials[size_t(object.material)]);
         object.id = instance.id;
         object.placement = Placement(instance.to_world);
         objects_.push_back(std::move(object));
@@ -193,6 +195,7 @@ void RayScene::add_objects() {
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
         const Object& object = objects_[i];
         has_cutouts_ = has_cutouts_ || object.masked;
+        has_clear_ = has_clear_ || object.clear;
         has_motion_ = has_motion_ || object.moving();
         for (size_t piece = 0; piece < object.placement.pieces(); ++piece)
             pieces_.push_back({i, std::uint16_t(piece), object.kind});
@@ -252,7 +255,7 @@ RayScene::RayScene(const Scene& scene, Context& ctx) : scene_(scene) {
                 set_transforms(geometry, object.placement, pieces_[i].piece);
             }
             rtcSetGeometryMask(geometry, object.light >= 0 ? light_mask
-                                         : object.masked   ? cutout_mask
+                                         : object.sheer()  ? sheer_mask
                                                            : solid_mask);
             rtcCommitGeometry(geometry);
             rtcAttachGeometryByID(embree_->world, geometry, unsigned(i));

@@ -25,7 +25,9 @@ struct Object {
     const Mesh* mesh = nullptr;
     int instance = -1, light = -1;  // of the scene: one of the two
     int material = -1;
-    bool masked = false;  // its material lets rays through in places
+    bool masked = false;  // its material is not there in places
+    bool clear = false;   // its material may let light straight through (may_be_clear)
+    bool sheer() const { return masked || clear; }
     std::uint32_t id = 0;
     Placement placement;
     bool moving() const { return placement.moving() || (mesh && mesh->steps > 1); }
@@ -41,8 +43,8 @@ struct ObjectPiece {
 inline constexpr std::uint32_t no_object = 0xffffffff;
 inline constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Which things a ray meets.
-enum RayMask : std::uint32_t { solid_mask = 1, cutout_mask = 2, light_mask = 4, every_mask = 7 };
+// Which things a ray meets. sheer: what some light goes straight through.
+enum RayMask : std::uint32_t { solid_mask = 1, sheer_mask = 2, light_mask = 4, every_mask = 7 };
 
 // Rays and what they hit, a struct of arrays of `capacity`; kept from batch to batch.
 struct Rays {
@@ -77,6 +79,7 @@ class RayScene {
     const Scene& scene() const { return scene_; }
     const std::vector<Object>& objects() const { return objects_; }
     bool has_cutouts() const { return has_cutouts_; }
+    bool has_clear() const { return has_clear_; }
     bool has_motion() const { return has_motion_; }
     Vec3 center() const { return center_; }  // of all that can be hit, over the whole shutter
     float radius() const { return radius_; }
@@ -106,7 +109,7 @@ class RayScene {
     std::vector<ObjectPiece> pieces_;  // by Embree's number for them
     std::vector<std::string> left_out_;
     std::unique_ptr<Embree> embree_;
-    bool has_cutouts_ = false, has_motion_ = false;
+    bool has_cutouts_ = false, has_clear_ = false, has_motion_ = false;
     int packet_width_ = 1;
     Vec3 center_;
     float radius_ = 1;

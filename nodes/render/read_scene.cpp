@@ -56,7 +56,7 @@ struct ReadScene {
     }
 };
 
-WEFT_NODE(ReadScene, "read-scene", 2);
+WEFT_NODE(ReadScene, "read-scene", 3);
 
 }  // namespace
 }  // namespace weft

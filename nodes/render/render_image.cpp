@@ -211,7 +211,7 @@ struct RenderImage : RenderNode {
     }
 };
 
-WEFT_NODE(RenderImage, "render-image", 2);
+WEFT_NODE(RenderImage, "render-image", 3);
 
 }  // namespace
 }  // namespace weft::render

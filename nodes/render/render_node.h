@@ -11,12 +11,13 @@ struct RenderNode {
     std::uint64_t seed = 1;
     Mode mode = Mode::path;
     int max_depth = 8;
-    float occlusion_distance = 0;
+    float occlusion_distance = 0, clamp_indirect = 0;
 
     RenderOptions options() const {
         RenderOptions o;
         o.width = width, o.height = height, o.mode = mode, o.max_depth = max_depth;
-        o.occlusion_distance = occlusion_distance, o.sampler = sampler, o.seed = seed;
+        o.occlusion_distance = occlusion_distance, o.clamp_indirect = clamp_indirect;
+        o.sampler = sampler, o.seed = seed;
         return o;
     }
 
@@ -39,6 +40,13 @@ struct RenderNode {
                     .min = 0,
                     .max = 1000,
                     .about = "0: only what shines itself; 1: direct light"})
+            .param("clamp-indirect", of(&RenderNode::clamp_indirect),
+                   {.unit = "radiance",
+                    .min = 0,
+                    .max = 1e9,
+                    .about = "most that one path may bring of light that was scattered before it "
+                             "bounced again: takes fireflies away, and what caustics have above "
+                             "it; 0: no bound"})
             .param(
                 "occlusion-distance", of(&RenderNode::occlusion_distance),
                 {.unit = "scene",

@@ -127,7 +127,7 @@ struct RenderSamples : RenderSamplesNode {
     }
 };
 
-WEFT_NODE(RenderSamples, "render-samples", 2);
+WEFT_NODE(RenderSamples, "render-samples", 3);
 
 }  // namespace
 }  // namespace weft::render

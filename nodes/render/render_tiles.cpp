@@ -83,7 +83,7 @@ struct RenderTiles : RenderSamplesNode {
     }
 };
 
-WEFT_NODE(RenderTiles, "render-tiles", 2);
+WEFT_NODE(RenderTiles, "render-tiles", 3);
 
 }  // namespace
 }  // namespace weft::render

@@ -186,10 +186,13 @@ void Shading::light_radiance(std::span<LightSample> lights, ShadingScratch& s) c
     }
 }
 
-// Opacity of masked hits, material by material; `hits` is sorted by material.
-void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits,
-                        std::span<const float> spread, ShadingScratch& s) const {
+// Opacity of masked hits, material by material: `hits` are sorted by it.
+void Shading::opacities(const Rays& rays, std::span<std::uint32_t> hits, float spread,
+                        ShadingScratch& s) const {
     const auto& objects = rays_.objects();
+    std::stable_sort(hits.begin(), hits.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return objects[rays.object[a]].material < objects[rays.object[b]].material;
+    });
     s.opacity.resize(hits.size());
     s.error.resize(hits.size());
     for (size_t begin = 0; begin < hits.size();) {
@@ -204,7 +207,7 @@ void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits,
                                               rays.v[k], rays.time[k]);
             const UvFrame at = frame_of(mat.alpha_map, p.texture, rays, k);
             s.uv[i] = place(mat.alpha_map, at.uv);
-            s.width[i] = spread[k] * rays.distance[k] * uv_density(at) *
+            s.width[i] = spread * rays.distance[k] * uv_density(at) *
                          std::sqrt(std::fabs(mat.alpha_map.scale.x * mat.alpha_map.scale.y));
             s.error[begin + i] = p.error;
             s.opacity[begin + i] = mat.opacity;
@@ -224,17 +227,13 @@ void Shading::opacities(const Rays& rays, std::span<const std::uint32_t> hits,
     }
 }
 
-void Shading::pass_cutouts(Rays& rays, size_t n, std::span<const float> spread,
-                           std::span<const std::uint64_t> keys, ShadingScratch& s) const {
+void Shading::pass_cutouts(Rays& rays, size_t n, float spread, std::span<const std::uint64_t> keys,
+                           ShadingScratch& s) const {
     const auto& objects = rays_.objects();
     s.order.clear();
     for (std::uint32_t k = 0; k < n; ++k)
         if (rays.object[k] != no_object && objects[rays.object[k]].masked) s.order.push_back(k);
-    constexpr std::uint64_t most_layers = 1024;  // then what is there counts as solid
-    for (std::uint64_t layer = 0; layer < most_layers && !s.order.empty(); ++layer) {
-        std::stable_sort(s.order.begin(), s.order.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return objects[rays.object[a]].material < objects[rays.object[b]].material;
-        });
+    for (int layer = 0; layer < most_layers && !s.order.empty(); ++layer) {
         opacities(rays, s.order, spread, s);
         size_t kept = 0;
         for (size_t i = 0; i < s.order.size(); ++i) {
@@ -242,13 +241,37 @@ void Shading::pass_cutouts(Rays& rays, size_t n, std::span<const float> spread,
             const Material& mat = material(rays.object[k]);
             const float least = mat.alpha == Material::Alpha::mask
                                     ? mat.alpha_cutoff
-                                    : unit_float(mix(keys[k] + layer)) + 1e-9f;
+                                    : unit_float(mix(keys[k] + std::uint64_t(layer))) + 1e-9f;
             if (s.opacity[i] >= least) continue;
-            rays.near[k] = rays.distance[k] + 2 * s.error[i] + 1e-6f * rays.distance[k];
+            rays.near[k] = beyond(rays.distance[k], s.error[i]);
             rays_.intersect(rays, k, k + 1);
             if (rays.object[k] != no_object && objects[rays.object[k]].masked) s.order[kept++] = k;
         }
         s.order.resize(kept);
+    }
+}
+
+void Shading::transmittance(const Rays& hits, size_t n, float spread, std::span<const float> random,
+                            std::span<Vec3> part, ShadingScratch& s) const {
+    const auto& objects = rays_.objects();
+    s.footprint.resize(n);
+    for (size_t k = 0; k < n; ++k) s.footprint[k] = spread * hits.distance[k];
+    shade(hits, n, s.footprint, random, s);
+    s.order.clear();
+    for (std::uint32_t k = 0; k < n; ++k) {
+        if (hits.object[k] == no_object) continue;
+        const Shade& shade = s.shades[k];
+        part[k] = shade.bsdf.transmittance(shade.frame.to_local(shade.out));
+        if (objects[hits.object[k]].masked) s.order.push_back(k);
+    }
+    opacities(hits, s.order, spread, s);
+    for (size_t i = 0; i < s.order.size(); ++i) {
+        const std::uint32_t k = s.order[i];
+        const Material& mat = material(hits.object[k]);
+        const float there = mat.alpha != Material::Alpha::mask
+                                ? std::clamp(s.opacity[i], 0.0f, 1.0f)
+                                : float(s.opacity[i] >= mat.alpha_cutoff);
+        part[k] = part[k] * there + white * (1 - there);
     }
 }
 

@@ -187,6 +187,35 @@ TEST(Bsdf, a_white_diffuse_surface_returns_all_of_it) {
     EXPECT_NEAR(s.value.diffuse.x / s.value.density, 1, 1e-6f);
 }
 
+// What goes straight through is what shadow rays are told, and with what is reflected it is all.
+TEST(Bsdf, a_clear_sheet_parts_light_and_loses_none) {
+    for (const float color : {1.0f, 0.5f})
+        for (const float z : {0.3f, 0.7f, 1.0f}) {
+            const Vec3 out = direction(z, 0.2f);
+            const Bsdf sheet =
+                make_bsdf(Material::Kind::metallic_roughness, white * color, 0, 0, 1.5f, 1);
+            double passed = 0, reflected_part = 0;
+            constexpr size_t samples = 40000;
+            for (size_t i = 0; i < samples; ++i) {
+                const Numbers r = numbers(i);
+                const BsdfSample s = sheet.sample(out, r.a, r.b, r.c);
+                if (!(s.value.density > 0)) continue;
+                ASSERT_EQ(s.through, s.unbent);
+                (s.unbent ? passed : reflected_part) +=
+                    double(s.value.sum().x / s.value.density) / samples;
+                if (s.unbent) {
+                    ASSERT_EQ(s.in, -out);
+                    ASSERT_EQ(sheet.eval(out, s.in).density, 0);
+                }
+            }
+            EXPECT_NEAR(passed, double(sheet.transmittance(out).x), 0.01);
+            EXPECT_NEAR(passed / double(color) + reflected_part, 1, 0.02) << z;
+        }
+    // A frosted one scatters all that goes through.
+    const Bsdf frosted = make_bsdf(Material::Kind::metallic_roughness, white, 0, 0.3f, 1.5f, 1);
+    EXPECT_EQ(frosted.transmittance({0, 0, 1}), Vec3{});
+}
+
 TEST(Bsdf, glass_and_mirror_follow_the_laws) {
     const Bsdf glass{GlassBsdf{white, 1.5f}};
     const Vec3 out = direction(0.6f, 0.4f);
