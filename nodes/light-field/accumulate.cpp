@@ -4,6 +4,7 @@
 // then adds these sums row by row: so the result does not depend on tiles.
 #include <fmt/format.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -75,6 +76,7 @@ struct Accumulate : FilterChoice {
         const bool box = is_pixel_box(f);
         const Locations* at = in.find<Locations>("locations");
         if (!box && !at) throw Error("filters other than the box of one pixel need 'locations': link it, or set filter to box and width to 0");
+        if (box) return add_to_own(colors, tile, across, scratch.sums);
         const int r = around(), side = 2 * r + 1;
         scratch.wx.resize(size_t(side));
         scratch.wy.resize(size_t(side));
@@ -84,11 +86,6 @@ struct Accumulate : FilterChoice {
             const float* rgba = &colors.rgba[4 * l];
             if (!colors.valid[l]) continue;
             float* to = &scratch.sums[local * patch(r) * values];
-            if (box) {
-                for (size_t k = 0; k < 4; ++k) to[k] += rgba[k];
-                to[4] += 1;
-                continue;
-            }
             for (int i = 0; i < side; ++i) {
                 scratch.wx[size_t(i)] = evaluate(f, at->x[l] - (float(int(px) + i - r) + 0.5f));
                 scratch.wy[size_t(i)] = evaluate(f, at->y[l] - (float(int(py) + i - r) + 0.5f));
@@ -99,6 +96,30 @@ struct Accumulate : FilterChoice {
                     for (size_t k = 0; k < 4; ++k) to[k] += w * rgba[k];
                     to[4] += w;
                 }
+        }
+    }
+
+    // The box of one pixel: a location counts for its own only. Most come pixel after pixel.
+    static void add_to_own(const Colors& colors, const Tile& tile, std::uint32_t across,
+                           std::vector<float>& sums) {
+        std::uint32_t next = 0;
+        size_t local = size_t(-1);
+        for (size_t l = 0; l < colors.size(); ++l) {
+            const std::uint32_t pixel = colors.pixels[l];
+            if (l > 0 && pixel == next) {
+                ++local;
+            } else {
+                const std::uint32_t px = pixel % across, py = pixel / across;
+                local = size_t(py - std::uint32_t(tile.y0)) * size_t(tile.width()) +
+                        (px - std::uint32_t(tile.x0));
+            }
+            next = pixel + 1;
+            if (!colors.valid[l]) continue;
+            std::array<float, 4> rgba;
+            std::copy_n(&colors.rgba[4 * l], 4, rgba.begin());
+            float* to = &sums[local * values];
+            for (size_t k = 0; k < 4; ++k) to[k] += rgba[k];
+            to[4] += 1;
         }
     }
 
