@@ -41,8 +41,8 @@ struct OutputLocations {
     }
 
     struct Scratch {
-        std::vector<light_field::LensPoint> points;  // slice by slice, set by set
-        std::vector<std::uint64_t> scrambles;        // of the tile's pixels
+        std::vector<light_field::LensPoint> points;         // slice by slice, set by set
+        std::vector<std::uint32_t> scramble_x, scramble_y;  // of the tile's pixels
         Tile of;
         bool filled = false;
     };
@@ -76,9 +76,14 @@ struct OutputLocations {
         prepare(h, scratch);
         if (point >= scratch.points.size()) return false;
         if (!scratch.filled || scratch.of.index != tile.index || index == 0) {
-            scratch.scrambles.clear();
+            scratch.scramble_x.clear();
+            scratch.scramble_y.clear();
             for (int y = tile.y0; y < tile.y1; ++y)
-                for (int x = tile.x0; x < tile.x1; ++x) scratch.scrambles.push_back(light_field::pixel_scramble(seed, x, y));
+                for (int x = tile.x0; x < tile.x1; ++x) {
+                    const std::uint64_t scramble = light_field::pixel_scramble(seed, x, y);
+                    scratch.scramble_x.push_back(std::uint32_t(scramble));
+                    scratch.scramble_y.push_back(std::uint32_t(scramble >> 32));
+                }
             scratch.of = tile;
             scratch.filled = true;
         }
@@ -98,16 +103,32 @@ struct OutputLocations {
         at.y.resize(most);
         at.own_pixels.resize(most);
         const auto pattern = light_field::pixel_pattern(std::uint32_t(i));
-        const std::uint64_t* scramble = scratch.scrambles.data();
         const bool spread = position == Position::spread;
-        size_t n = 0;
-        for (int y = tile.y0; y < tile.y1 && i < size_t(per_pixel); ++y)
-            for (int x = tile.x0; x < tile.x1; ++x, ++scramble) {
-                if (sets > 1 && (x + 3 * y) % sets != set) continue;
-                at.x[n] = float(x) + (spread ? unit_float(pattern[0] ^ std::uint32_t(*scramble)) : 0.5f);
-                at.y[n] = float(y) + (spread ? unit_float(pattern[1] ^ std::uint32_t(*scramble >> 32)) : 0.5f);
-                at.own_pixels[n++] = std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(x);
+        const size_t wide = size_t(tile.width());
+        size_t n = 0, pixel = 0;
+        for (int y = tile.y0; y < tile.y1 && i < size_t(per_pixel); ++y, pixel += wide) {
+            // A whole row, as vectors; then, of several sets, what is in this one.
+            float *to_x = &at.x[n], *to_y = &at.y[n];
+            std::uint32_t* to_pixel = &at.own_pixels[n];
+            const std::uint32_t *scramble_x = &scratch.scramble_x[pixel],
+                                *scramble_y = &scratch.scramble_y[pixel];
+            const std::uint32_t first =
+                std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(tile.x0);
+            for (size_t k = 0; k < wide; ++k) {
+                to_x[k] = float(tile.x0 + int(k)) +
+                          (spread ? unit_float(pattern[0] ^ scramble_x[k]) : 0.5f);
+                to_y[k] = float(y) + (spread ? unit_float(pattern[1] ^ scramble_y[k]) : 0.5f);
+                to_pixel[k] = first + std::uint32_t(k);
             }
+            size_t kept = sets > 1 ? 0 : wide;
+            for (size_t k = 0; k < wide && sets > 1; ++k) {
+                if ((tile.x0 + int(k) + 3 * y) % sets != set) continue;
+                to_x[kept] = to_x[k];
+                to_y[kept] = to_y[k];
+                to_pixel[kept++] = to_pixel[k];
+            }
+            n += kept;
+        }
         at.pixels = std::span(at.own_pixels).first(n);
         at.parents = {};
         return true;
