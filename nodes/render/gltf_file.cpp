@@ -13,6 +13,7 @@
 #include "graph/diagnostic.h"
 #include "graph/error.h"
 #include "image/picture_file.h"
+#include "render/file_there.h"
 
 namespace weft {
 namespace {
@@ -108,7 +109,7 @@ struct Beside {
 bool exists(const std::string& path, void* data) {
     const auto& beside = *static_cast<const Beside*>(data);
     return std::any_of(beside.buffers.begin(), beside.buffers.end(), [&](const std::string& name) {
-        return path.ends_with(name) && std::filesystem::is_regular_file(path);
+        return path.ends_with(name) && file_there(path);
     });
 }
 std::string as_it_is(const std::string& path, void*) {
@@ -216,7 +217,7 @@ GltfFile::GltfFile(const std::string& bytes, const std::string& path) : path_(pa
             if (!uri || !uri->is(Json::Kind::text) || uri->text.starts_with("data:")) continue;
             const std::string name = decoded_uri(uri->text);
             const auto file = std::filesystem::path(beside.folder) / name;
-            if (name.empty() || !std::filesystem::is_regular_file(file))
+            if (name.empty() || !file_there(file))
                 throw Error(fmt::format("{}: buffer {}: no file '{}' beside it", path,
                                         &buffer - buffers->items.data(), name));
             beside.buffers.insert(name);

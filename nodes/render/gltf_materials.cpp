@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <map>
 
+#include "render/file_there.h"
+
 namespace weft {
 namespace {
 
@@ -235,7 +237,7 @@ class Reader {
                 file_.fail(fmt::format("{}, image {}", what_, i),
                            "it has neither a file nor bytes of its own");
             out.path = (std::filesystem::path(file_.path()).parent_path() / name).string();
-            if (!std::filesystem::is_regular_file(out.path))
+            if (!file_there(out.path))
                 file_.fail(fmt::format("{}, image {}", what_, i),
                            fmt::format("no file '{}' beside it", name));
         }

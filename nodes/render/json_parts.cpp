@@ -8,13 +8,13 @@
 
 #include "color/apply_color.h"
 #include "image/picture_file.h"
+#include "render/file_there.h"
 
 namespace weft {
 
 std::string JsonParts::file(const Json* at, const std::string& name) const {
     const std::string path = (std::filesystem::path(folder) / name).lexically_normal().string();
-    std::error_code ignored;
-    if (name.empty() || !std::filesystem::is_regular_file(path, ignored)) {
+    if (name.empty() || !file_there(path)) {
         findings.push_back({Diagnostic::Level::error,
                             fmt::format("no file '{}'{}", path,
                                         path.find("scenes/") != std::string::npos

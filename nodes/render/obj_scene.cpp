@@ -16,6 +16,7 @@
 #include "graph/error.h"
 #include "image/picture_file.h"
 #include "render/affine.h"
+#include "render/file_there.h"
 #include "render/polygon.h"
 #include "render/scene_file.h"
 #include "samples/random.h"
@@ -37,7 +38,7 @@ class MaterialFiles final : public tinyobj::MaterialReader {
                     std::map<std::string, int>* numbers, std::string* warning,
                     std::string* error) override {
         const auto path = folder_ / slashes(name);
-        if (!std::filesystem::is_regular_file(path)) {
+        if (!file_there(path)) {
             warnings_.push_back(
                 fmt::format("{}: no such file; its materials are plain", path.string()));
             return false;
@@ -190,7 +191,7 @@ class Reader {
         TextureMap out;
         if (name.empty()) return out;
         const std::string path = (folder_ / slashes(name)).string();
-        if (!std::filesystem::is_regular_file(path)) {
+        if (!file_there(path)) {
             warnings_.push_back(
                 fmt::format("{}: material '{}': no picture '{}'; left out", path_, material, name));
             return out;

@@ -92,7 +92,8 @@ Scene read_scene_file(const std::string& path, const SceneOptions& options,
             fmt::format("{}: 'seed' and 'size' make procedural:NAME scenes; a file is as it "
                         "is: leave them at 1",
                         path));
-    if (!std::filesystem::exists(path)) {
+    std::error_code none;
+    if (!std::filesystem::exists(path, none)) {
         const bool fetched = path.find("scenes/") != std::string::npos;
         throw Error(fmt::format(
             "{}: no such scene file{}", path,

@@ -406,7 +406,7 @@ TEST(Gltf, BrokenFilesAreTold) {
     const std::string pictured =
         R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],)"
         R"("materials":[{"normalTexture":{"index":0}}],"textures":[{"source":0}],"images":[{"bufferView":)";
-    
+
     GltfMaker cut;  // the buffer ends before the picture's view of it does
     cut.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
     cut.shorts({0, 1, 2});
@@ -419,6 +419,14 @@ TEST(Gltf, BrokenFilesAreTold) {
               }).find("material 0, image 0: buffer view 2 reaches past the end of buffer 0"),
               std::string::npos)
         << error_of([&] { read(text); });
+    const std::string long_name(300, 'x');  // no file can have it
+    says(pictured.substr(0, pictured.rfind("\"bufferView\"")) + R"("uri":")" + long_name + "\"}]",
+         "material 0, image 0: no file 'xxx");
+    EXPECT_NE(error_of([&] {
+                  read(R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":1,"uri":")" +
+                       long_name + "\"}]}");
+              }).find("buffer 0: no file 'xxx"),
+              std::string::npos);
     says("", "nothing to see");
     EXPECT_NE(error_of([&] {
                   read("{\"asset\":{\"version\":\"1.0\"}}");

@@ -133,6 +133,7 @@ TEST(ReadScene, TellsWhatItCannotRead) {
     EXPECT_EQ(says("scenes/room.json"),
               "scenes/room.json: no such scene file; tools/scenes fetches the scenes that are not "
               "made by rule");
+    EXPECT_NE(says(std::string(300, 'x') + ".obj").find("no such scene file"), std::string::npos);
     EXPECT_EQ(says("procedural:ches"), "procedural:ches: no such scene; did you mean 'chess'?");
     EXPECT_EQ(says("procedural:"),
               "procedural:: no such scene; known: leaves, chess, motion, "

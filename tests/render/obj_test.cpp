@@ -152,6 +152,14 @@ TEST(Obj, BrokenFilesAreTold) {
     says(many + face + "\n", "a face has more than 255 corners");
     read("mtllib gone.mtl\n" + square + "usemtl red\nf 1 2 3\n");
     EXPECT_NE(warnings[0].find("gone.mtl: no such file"), std::string::npos);
+    // Names that no file can have.
+    const std::string long_name(300, 'x');
+    read("mtllib " + long_name + ".mtl\n" + square + "usemtl red\nf 1 2 3\n");
+    EXPECT_NE(warnings[0].find("x.mtl: no such file"), std::string::npos);
+    TestFolder folder;
+    write_materials(folder, "newmtl a\nmap_Kd " + long_name + ".png\n", {});
+    read("mtllib m.mtl\n" + square + "usemtl a\nf 1 2 3\n", folder / "test.obj");
+    EXPECT_NE(warnings[0].find("material 'a': no picture 'xxx"), std::string::npos);
 }
 
 }  // namespace
