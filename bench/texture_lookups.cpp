@@ -1,11 +1,11 @@
-// How many texture lookups a second does one thread make?
-// Input: noise, 2048 x 2048, 8 bit sRGB; batches of 256 lookups; a cache that holds all of it, and
-// one that holds a tenth. Prints the median of 5 runs in million lookups a second.
+// How many texture lookups a second does one thread make? (bench_texture_system: OpenImageIO's
+// own.) Input: noise, 2048 x 2048, 8 bit sRGB; batches of 256 lookups; a cache that holds all of
+// it, and one that holds a tenth. Prints the median of 5 runs in million lookups a CPU second.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
+#include "bench/cpu_time.h"
 #include "image/png_file.h"
 #include "render/textures.h"
 #include "samples/random.h"
@@ -21,12 +21,11 @@ double rate(const Textures& textures, const std::vector<Vec2>& uv, float width) 
     for (size_t i = 0; i < count; ++i) random[i] = unit_float(mix(i + 77));
     std::vector<double> runs;
     for (int run = 0; run < 5; ++run) {
-        const auto start = std::chrono::steady_clock::now();
+        const double start = cpu_s();
         for (size_t i = 0; i < count; i += batch)
             textures.lookup(0, TextureMap::Wrap::repeat, TextureMap::Wrap::repeat, {&uv[i], batch},
                             {&widths[i], batch}, {&random[i], batch}, rgba);
-        runs.push_back(
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        runs.push_back(cpu_s() - start);
     }
     std::sort(runs.begin(), runs.end());
     return double(count) / runs[2] * 1e-6;

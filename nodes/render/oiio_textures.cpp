@@ -5,7 +5,11 @@
 // one texel, chosen at random among those that a trilinear filter would weigh: its mean is the
 // filter's, and its cost a quarter of one. (Stochastic texture filtering: Fajardo et al. 2023.)
 // Departure from TextureSystem's own lookups: level and texel are chosen here, so that they depend
-// on the arguments alone.
+// on the arguments alone, and it is faster: a batch keeps the tiles it has at hand. Million lookups
+// a CPU second on one thread (bench_texture_lookups, and TextureSystem's batches of 16 by
+// bench_texture_system, in one sitting): a picture's pixels in rows 21, TextureSystem trilinear
+// 6.4, its nearest texel of one level 12.5; scattered over 2048^2 texels 2.5, 1.8 and 2.2; with a
+// footprint of 64 texels 19, 6.8 and 12.
 #include "render/oiio_textures.h"
 
 #include <OpenImageIO/imagecache.h>
