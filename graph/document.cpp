@@ -266,6 +266,7 @@ class Reader {
                 findings_.error(m.key_place, "node '{}' has no 'type'", m.key);
             return;
         }
+        references(*type);
         node.type = {type->text, type->place};
         node.pin = take_pin(node.type.text);
         if (node.pin < 0) {
@@ -297,9 +298,10 @@ class Reader {
     // Kept, so that it does not look missing as well.
     static void unread_input(NodeText& node, InputText in) { node.inputs.push_back(std::move(in)); }
 
-    void setting(const JsonMember& m, NodeText& node) {
+    // Parameters that a value names are used, and must be there.
+    void references(const Json& value) {
         for_each_reference(
-            m.value,
+            value,
             [&](const std::string& parameter, const Place& place) {
                 std::vector<std::string> names;
                 for (ParameterText& p : document_.parameters) {
@@ -322,6 +324,10 @@ class Reader {
             [&](const std::string& problem, const Place& place) {
                 findings_.error(place, "{}", problem);
             });
+    }
+
+    void setting(const JsonMember& m, NodeText& node) {
+        references(m.value);
         node.settings.push_back({{m.key, m.key_place}, m.value});
     }
 

@@ -112,7 +112,7 @@ void Expander::node(Scope& scope, const NodeText& text) {
     const std::string path = scope.prefix + entity.name;
     paths_.push_back(path);
 
-    Word type = text.type;
+    Word type = type_of(scope, text);
     int pin = text.pin;
     entity.bypass = text.bypass;
     entity.bypass_place = text.bypass_place;
@@ -125,6 +125,27 @@ void Expander::node(Scope& scope, const NodeText& text) {
         graph(entity, path, type);
     else
         leaf(entity, path, type, pin);
+}
+
+Lookup Expander::lookup_in(const Scope& scope) {
+    return [&scope](std::string_view name) -> const Bound* {
+        const auto found = scope.parameters.find(name);
+        return found == scope.parameters.end() ? nullptr : &found->second;
+    };
+}
+
+// A type may name parameters, as "parts/rpf-${preset}.json".
+Word Expander::type_of(const Scope& scope, const NodeText& text) {
+    if (text.type.text.find('$') == std::string::npos) return text.type;
+    const Bound bound = substitute(Json(text.type.text), lookup_in(scope));
+    if (bound.known && bound.value.is(Json::Kind::text)) return {bound.value.text, text.type.place};
+    // What is amiss with a parameter itself was complained of already.
+    for (const Piece& piece : take_apart(text.type.text).list) {
+        const ParameterText* named = piece.parameter ? scope.document->find_parameter(piece.text) : nullptr;
+        if (named && (!named->decl.fallback || !named->decl.fallback->is(Json::Kind::text)))
+            findings_.error(text.type.place, "'{}' stands in a type; expected a text or choice with a default", piece.text);
+    }
+    return {"", text.type.place};
 }
 
 void Expander::apply_options(Entity& entity, const std::string& path, Word& type, int& pin) {
@@ -295,10 +316,7 @@ bool Expander::misspelt(const Entity& entity, const Owner& owner, const std::str
 Bound Expander::from_text(Entity& entity, const std::string& path, const ParamDecl& decl,
                           const Setting& setting) {
     const Scope& scope = *entity.scope;
-    Bound bound = substitute(setting.value, [&](std::string_view name) -> const Bound* {
-        const auto found = scope.parameters.find(name);
-        return found == scope.parameters.end() ? nullptr : &found->second;
-    });
+    Bound bound = substitute(setting.value, lookup_in(scope));
     if (setting.value.is(Json::Kind::text)) {
         const Pieces pieces = take_apart(setting.value.text);
         if (!pieces.problem.empty()) return bound;

@@ -14,7 +14,7 @@
 #include "samples/samples.h"
 #include "samples/write_npz.h"
 #include "tests/instruction_sets.h"
-#include "tests/run_node.h"
+#include "tests/graph_run.h"
 
 namespace weft {
 
@@ -60,33 +60,6 @@ inline Samples random_samples(int width, int height, int spp, Kind_of kind, unsi
     return s;
 }
 
-// Runs a graph's text; gives the picture that it writes to the file called OUT in it.
-struct GraphRun {
-    TestFolder folder;
-    RunResult result;
-    std::vector<std::string> warnings;
-    Image picture;
-
-    GraphRun(std::string text, int tile = 32, int threads = 1, bool fuse = true) {
-        const std::string out = folder / "out.exr";
-        for (size_t at; (at = text.find("OUT")) != std::string::npos;) text.replace(at, 3, out);
-        LoadOptions load;
-        load.for_run = true;
-        const Loaded loaded = load_graph_text(text, std::string(WEFT_SOURCE_DIR) + "/graphs/test.json", Registry::instance(), load);
-        for (const Diagnostic& finding : loaded.findings)
-            if (finding.level == Diagnostic::Level::error) ADD_FAILURE() << to_text(finding);
-        if (!loaded.ok()) return;
-        RunOptions options;
-        options.tile = tile;
-        Monitor monitor;
-        PlanOptions plan;
-        plan.fuse = fuse;
-        result = run_plan(make_plan(loaded.graph, plan), *make_thread_executor(threads), monitor, options);
-        for (const NodeError& error : result.errors) ADD_FAILURE() << error.node << ": " << error.message;
-        if (result.ok()) picture = read_picture(out);
-    }
-};
-
 // A graph that reconstructs `file`; `locations` are parameters of output-locations, `stages` further text
 // for the nodes.
 inline std::string tlfr_text(const std::string& file, const std::string& locations) {
@@ -98,7 +71,5 @@ inline std::string tlfr_text(const std::string& file, const std::string& locatio
         "picture":   {"type": "parts/tlfr-stages.json", "in": {"hierarchy": "hierarchy", "locations": "locations"}},
         "write":     {"type": "write-image", "in": {"image": "picture"}, "set": {"file": "OUT", "depth": "float"}}}})";
 }
-
-inline std::vector<float> values_of(const Image& image) { return {image.pixels().begin(), image.pixels().end()}; }
 
 }  // namespace weft

@@ -1,0 +1,44 @@
+// Which samples around a block are looked at: places drawn from a Gaussian around it, which is the screen term of the
+// bilateral filter, so that near samples count more by being drawn more often.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "rpf/streams.h"
+
+namespace weft::rpf {
+
+enum class DrawRule {
+    stratified,  // one well-spread set of places for all blocks, mirrored by chance: no sample twice
+    gaussian,    // independent; each time any sample of the pixel, so repeats happen; drawn again outside the box
+    distinct,    // independent, lost outside the box; no sample twice, but always the same first ones of a pixel
+};
+
+struct DrawSettings {
+    DrawRule rule = DrawRule::stratified;
+    int box = 55;        // px
+    size_t draws = 0;    // of a neighbourhood
+    float sigma = 14;    // px
+    int spp = 1;         // the largest number of samples that one pixel may give
+    std::uint64_t seed = 1;
+};
+
+// Of a place `dx`, `dy` from the block's first pixel the sample `turn` after the one that chance begins with.
+struct Offset {
+    std::int16_t dx, dy;
+    std::uint32_t turn;
+};
+
+// What is drawn for all blocks: for `stratified` the set of places, sorted by rows, else a long run of places to start
+// somewhere in.
+std::vector<Offset> make_places(const DrawSettings& by);
+
+struct DrawScratch {
+    std::vector<std::uint16_t> counts;
+};
+
+// Appends the samples drawn around a block; its own are never among them.
+void draw(const Samples& samples, const DrawSettings& by, const std::vector<Offset>& places, PixelBlock block,
+          DrawScratch& scratch, std::vector<std::uint32_t>& drawn);
+
+}  // namespace weft::rpf

@@ -1,0 +1,86 @@
+// Which samples belong to a neighbourhood, and their numbers as rows.
+#include <algorithm>
+#include <cmath>
+
+#include "rpf/kernels.h"
+#include "rpf/simd.h"
+
+namespace weft::rpf::WEFT_ISA {
+
+// One comparison of whole vectors, features first: what is not clustered has an infinite bound.
+size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates, const float* centre,
+              const float* bound, std::uint32_t* accepted) {
+    size_t first = vectors.components.size();
+    for (size_t k = vectors.components.size(); k-- > 0;)
+        if (!(bound[k] > 3e38f)) first = k;
+    const size_t last = vectors.components.size();
+    size_t found = 0;
+    for (const std::uint32_t candidate : candidates) {
+        const float* of = vectors.of(candidate);
+        bool inside = true;
+        for (size_t k = first; k < last; k += lanes) {
+            const VF off = hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k)));
+            inside = inside && hn::AllTrue(f, hn::Le(off, hn::LoadU(f, bound + k)));
+        }
+        accepted[found] = candidate;
+        found += inside;
+    }
+    return found;
+}
+
+// Four records by four numbers at a time: what lies side by side in a record comes to lie side by side in a row.
+void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t pitch, float* rows) {
+    const hn::FixedTag<float, 4> four;
+    const hn::Repartition<double, decltype(four)> pairs;
+    const auto of = [&](size_t i) { return records + size_t(which[i]) * stride; };
+    const size_t n = which.size(), whole = n / 4 * 4;
+    for (size_t i = 0; i < whole; i += 4) {
+        const float *a = of(i), *b = of(i + 1), *c = of(i + 2), *d = of(i + 3);
+        float* to = rows + i;
+        for (size_t k = 0; k < stride; k += 4, to += 4 * pitch) {
+            const auto va = hn::LoadU(four, a + k), vb = hn::LoadU(four, b + k), vc = hn::LoadU(four, c + k), vd = hn::LoadU(four, d + k);
+            const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(four, va, vb)), ab1 = hn::BitCast(pairs, hn::InterleaveUpper(four, va, vb));
+            const auto cd0 = hn::BitCast(pairs, hn::InterleaveLower(four, vc, vd)), cd1 = hn::BitCast(pairs, hn::InterleaveUpper(four, vc, vd));
+            hn::StoreU(hn::BitCast(four, hn::InterleaveLower(pairs, ab0, cd0)), four, to);
+            hn::StoreU(hn::BitCast(four, hn::InterleaveUpper(pairs, ab0, cd0)), four, to + pitch);
+            hn::StoreU(hn::BitCast(four, hn::InterleaveLower(pairs, ab1, cd1)), four, to + 2 * pitch);
+            hn::StoreU(hn::BitCast(four, hn::InterleaveUpper(pairs, ab1, cd1)), four, to + 3 * pitch);
+        }
+    }
+    for (size_t i = whole; i < n; ++i)
+        for (size_t k = 0; k < stride; ++k) rows[k * pitch + i] = of(i)[k];
+    for (size_t row = 0; row < stride; ++row) std::fill(rows + row * pitch + n, rows + (row + 1) * pitch, 0.0f);
+}
+
+void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale, float* low, float* high) {
+    const auto tail = [&](size_t i, VF v) HWY_ATTR { return i + lanes <= n ? v : hn::IfThenElseZero(hn::FirstN(f, n - i), v); };
+    for (size_t k = 0; k < count; ++k) {
+        float* row = rows + k * pitch;
+        // Moved by its first number, so that sums keep their digits where a row hardly varies.
+        const VF base = hn::Set(f, row[0]);
+        VF sum = hn::Zero(f), squares = hn::Zero(f), least = hn::Zero(f), most = hn::Zero(f);
+        for (size_t i = 0; i < n; i += lanes) {
+            const VF x = tail(i, hn::Sub(hn::LoadU(f, row + i), base));
+            sum = hn::Add(sum, x);
+            least = hn::Min(least, x);
+            most = hn::Max(most, x);
+        }
+        const float off = sum_of(sum) / float(n), middle = row[0] + off;
+        const VF centre = hn::Set(f, middle);
+        for (size_t i = 0; i < n; i += lanes) {
+            const VF x = tail(i, hn::Sub(hn::LoadU(f, row + i), centre));
+            squares = hn::MulAdd(x, x, squares);
+        }
+        const float deviation = std::sqrt(sum_of(squares) / std::max(1.0f, float(n) - 1));
+        // What is less than rounding is no variation.
+        const bool varies = deviation > 1e-6f * std::max(std::abs(middle), 1e-6f);
+        mean[k] = middle;
+        scale[k] = varies ? 1 / deviation : 0.0f;
+        low[k] = (hn::GetLane(hn::MinOfLanes(f, least)) - off) * scale[k];
+        high[k] = (hn::GetLane(hn::MaxOfLanes(f, most)) - off) * scale[k];
+        const VF by = hn::Set(f, scale[k]);
+        for (size_t i = 0; i < n; i += lanes) hn::StoreU(tail(i, hn::Mul(hn::Sub(hn::LoadU(f, row + i), centre), by)), f, row + i);
+    }
+}
+
+}  // namespace weft::rpf::WEFT_ISA
