@@ -98,6 +98,9 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     s.order = sorted(std::move(keys), ctx);
     lay_out(s.memory, n,
             {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b});
+    const auto normal = samples.values("normal"), albedo = samples.values("albedo");
+    if (!normal.empty()) lay_out(s.normals, n, {&s.normal[0], &s.normal[1], &s.normal[2]});
+    if (!albedo.empty()) lay_out(s.albedos, n, {&s.albedo[0], &s.albedo[1], &s.albedo[2]});
     const auto rgb = samples.rgb();
     ctx.parallel_for(
         n,
@@ -113,6 +116,15 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
             s.r[to] = rgb[3 * i];
             s.g[to] = rgb[3 * i + 1];
             s.b[to] = rgb[3 * i + 2];
+            if (!normal.empty()) {
+                const float* of = &normal[3 * i];
+                const float length = std::sqrt(of[0] * of[0] + of[1] * of[1] + of[2] * of[2]);
+                const bool none = !(length > 0 && std::isfinite(length));  // background, say
+                for (size_t c = 0; c < 3; ++c) s.normal[c][to] = none ? 0 : of[c] / length;
+            }
+            if (!albedo.empty())
+                for (size_t c = 0; c < 3; ++c)
+                    s.albedo[c][to] = std::isfinite(albedo[3 * i + c]) ? albedo[3 * i + c] : 0;
         },
         4096);
     s.blocks = blocks_of(s, 4 * radius);
@@ -156,10 +168,11 @@ namespace {
 struct SmoothRadiance {
     float widest = 4.5f, caution = 0.5f, sharp_caution = 2, radius_scale = 1;
     float slope_tolerance = 0.6f, velocity_tolerance = 1.5f, depth_tolerance = 0.03f;
+    float normal_tolerance = 0.55f, albedo_tolerance = 0.1f;
 
     static void declare(Ports<SmoothRadiance>& node) {
         node.about("smooths noisy radiance of samples along their surfaces and sharpens clean detail, as leave-one-out errors find good")
-            .in<Samples>("samples", "xy, z and rgb; uv with a lens, t and motion where it has them")
+            .in<Samples>("samples", "xy, z and rgb; uv with a lens, t, motion, normal and albedo where it has them")
             .out<Samples>("samples", "the same with another rgb")
             .param("widest", &SmoothRadiance::widest, {.min = 1, .max = 16, .about = "widest kernel, in radii R of the gaps expected between samples"})
             .param("caution", &SmoothRadiance::caution, {.min = 0, .max = 10, .about = "standard errors by which a wider kernel must predict better to be used"})
@@ -168,12 +181,16 @@ struct SmoothRadiance {
             .param("slope-tolerance", &SmoothRadiance::slope_tolerance, {.unit = "px", .min = 0, .max = 100, .about = "difference in slope over the lens within a surface"})
             .param("velocity-tolerance", &SmoothRadiance::velocity_tolerance,
                    {.unit = "px per shutter", .min = 0, .max = 1000, .about = "difference in velocity within a surface"})
-            .param("depth-tolerance", &SmoothRadiance::depth_tolerance, {.min = 0, .max = 10, .about = "relative difference in depth within a surface"});
+            .param("depth-tolerance", &SmoothRadiance::depth_tolerance, {.min = 0, .max = 10, .about = "relative difference in depth within a surface"})
+            .param("normal-tolerance", &SmoothRadiance::normal_tolerance,
+                   {.min = 0.05, .max = 1e6, .about = "difference of unit normals from which on samples are not smoothed together; less of it takes weight"})
+            .param("albedo-tolerance", &SmoothRadiance::albedo_tolerance,
+                   {.min = 0, .max = 1e6, .about = "difference in albedo within a surface"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 140 * n, 800 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 164 * n, 800 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -182,6 +199,8 @@ struct SmoothRadiance {
         by.slope = slope_tolerance;
         by.velocity = velocity_tolerance;
         by.depth = depth_tolerance;
+        by.normal = normal_tolerance;
+        by.albedo = albedo_tolerance;
         by.caution = caution;
         by.sharp_caution = sharp_caution;
         const auto rgb = samples.rgb();
@@ -206,7 +225,7 @@ struct SmoothRadiance {
     }
 };
 
-WEFT_NODE(SmoothRadiance, "smooth-radiance", 4)
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 5)
 
 }  // namespace
 }  // namespace weft

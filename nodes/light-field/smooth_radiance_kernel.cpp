@@ -168,7 +168,7 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
             using Reached = std::array<Sums, widths - least>;
             Reached sums;
             std::copy_n(wide + least, sums.size(), sums.begin());
-            sums = around.each(
+            sums = around.each_alike(
                 ring, places, sums,
                 [&](Reached& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
                     const VF r = hn::Set(f, s.r[i]), g = hn::Set(f, s.g[i]), b = hn::Set(f, s.b[i]);
@@ -197,7 +197,9 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
                                     hn::Div(one, narrow));
         const VF error = squares(as_is, weights);
         const auto put_change = [&](size_t k, const Color& guess, VF share) HWY_ATTR {
-            const Color here = left.by(guess, share);
+            // (One that stands alone says nothing of a treatment.)
+            const auto alone = hn::Ge(share, hn::Set(f, 0.999f));
+            const Color here = chosen(alone, as_is, left.by(guess, share));
             // Where they differ by rounding only (of two samples, each is predicted by the other),
             // the lesser treatment is the better.
             const VF gain =
@@ -233,7 +235,8 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
                 of.way[k] = hn::MulAdd(weight, hn::Set(f, changes.of[k].way[i]), of.way[k]);
             }
         };
-        const Gains gains = around.each(1, places, around.each(0, places, Gains(), weigh), weigh);
+        const Gains gains =
+            around.each_alike(1, places, around.each_alike(0, places, Gains(), weigh), weigh);
         VF least = zero, part = zero;
         VU kind = hn::Zero(un);
         for (size_t k = 1; k < treatments; ++k) {

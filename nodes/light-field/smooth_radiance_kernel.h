@@ -8,6 +8,8 @@
 //   smoothed     means under tents of greater widths
 //   neighbours   by position at lens centre and half time; of one surface where slope, velocity and
 //                depth are alike
+//                Under the greater widths albedo has to be alike, too, and the more normals differ, the less
+//                a neighbour counts, where samples have them.
 //   errors       (sample - prediction)^2 / (wide mean^2 + epsilon^2), averaged over a window
 //   how far      what makes the error of the two predictions' mix least, there and then: where noise and
 //                structure meet, part of both is kept
@@ -39,6 +41,8 @@ struct Smoothing {
     float slope = 0.6f;                 // px: most that two of one surface differ by
     float velocity = 1.5f;              // px per shutter
     float depth = 0.03f;                // of the logarithm
+    float normal = 0.55f;               // difference of unit normals from which on two are not smoothed together
+    float albedo = 0.1f;                // the same of albedo, each channel
     float caution = 0.5f;               // standard errors by which a wider kernel has to win
     float sharp_caution = 2;            // the same for sharpening
     float epsilon = 0.1f;               // radiance below which errors count less
@@ -61,7 +65,8 @@ struct SampleField {
     std::vector<Block> blocks;
     LargeArray<std::uint32_t> order;  // index in the buffer
     std::span<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
-    LargeArray<float> memory;  // theirs
+    std::array<std::span<float>, 3> normal, albedo;  // empty where samples have none; normals of unit length
+    LargeArray<float> memory, normals, albedos;      // theirs
 
     int column_of(float at) const { return clamped((at - x0) / cell_width, columns); }
     int row_of(float at) const { return clamped((at - y0) / cell_height, rows); }

@@ -21,7 +21,13 @@ struct Places {
           slope(hn::LoadU(f, &s.slope[at])),
           depth(hn::LoadU(f, &s.log_depth[at])),
           vx(hn::LoadU(f, &s.velocity_x[at])),
-          vy(hn::LoadU(f, &s.velocity_y[at])) {}
+          vy(hn::LoadU(f, &s.velocity_y[at])) {
+        for (size_t c = 0; c < 3; ++c) {
+            if (!s.normal[c].empty()) normal[c] = hn::LoadU(f, &s.normal[c][at]);
+            if (!s.albedo[c].empty()) albedo[c] = hn::LoadU(f, &s.albedo[c][at]);
+        }
+    }
+    VF normal[3], albedo[3];  // undefined where samples have none
 };
 
 // What the samples of a block are between in one quantity.
@@ -56,7 +62,9 @@ class Surroundings {
         : s_(field),
           slope_(hn::Set(f, by.slope)),
           velocity_(hn::Set(f, by.velocity)),
-          depth_(hn::Set(f, by.depth)) {
+          depth_(hn::Set(f, by.depth)),
+          per_normal_(hn::Set(f, 1 / (by.normal * by.normal))),
+          albedo_(hn::Set(f, by.albedo)) {
         for (size_t k = 0; k < rings; ++k) radius_[k] = radii[k] * 1.0001f + 1e-4f;  // rounding
     }
 
@@ -118,6 +126,35 @@ class Surroundings {
                       : each_of<false>(ring_[ring], places, sums, work);
     }
 
+    // The same where normals and albedo matter, too: on_surface(value) is 0 as well where albedo
+    // differs, and less the more normals do.
+    template <class Of, class Work>
+    HWY_INLINE Of each_alike(size_t ring, const Places& places, Of sums, Work&& work) const {
+        const bool normals = !s_.normal[0].empty(), albedo = !s_.albedo[0].empty();
+        if (!normals && !albedo) return each(ring, places, sums, work);
+        return each(ring, places, sums,
+                    [&](Of& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
+                        VF alike = hn::Set(f, 1.0f);
+                        if (normals) {
+                            VF apart = hn::Zero(f);
+                            for (size_t c = 0; c < 3; ++c) {
+                                const VF way =
+                                    hn::Sub(hn::Set(f, s_.normal[c][i]), places.normal[c]);
+                                apart = hn::MulAdd(way, way, apart);
+                            }
+                            alike = hn::Max(hn::Zero(f), hn::NegMulAdd(apart, per_normal_, alike));
+                        }
+                        for (size_t c = 0; albedo && c < 3; ++c)
+                            alike = hn::IfThenElseZero(
+                                hn::Le(hn::AbsDiff(hn::Set(f, s_.albedo[c][i]), places.albedo[c]),
+                                       albedo_),
+                                alike);
+                        work(of, i, distance, [&](VF value) HWY_ATTR {
+                            return on_surface(hn::Mul(alike, value));
+                        });
+                    });
+    }
+
   private:
     struct Ring {
         std::vector<std::uint32_t> sample;
@@ -158,7 +195,7 @@ class Surroundings {
     }
 
     const SampleField& s_;
-    const VF slope_, velocity_, depth_;
+    const VF slope_, velocity_, depth_, per_normal_, albedo_;
     std::array<float, rings> radius_;
     std::array<Ring, rings> ring_;
     bool alike_ = false;  // no two of the block and the rings are of different surfaces

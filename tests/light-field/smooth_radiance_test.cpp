@@ -128,6 +128,65 @@ TEST(SmoothRadiance, SamplesOfAnotherDepthDoNotMix) {
     EXPECT_NEAR(front / (0.5 * double(z.size())), 0.5, 0.03);
 }
 
+// Two kinds of samples in turn, noise and black.
+Samples mixed_with_black() {
+    Samples s = plane(32, 32, 2, [](float, float, float r) { return r; });
+    std::vector<float> rgb(s.rgb().begin(), s.rgb().end());
+    for (size_t i = 0; i < rgb.size(); i += 6) rgb[i] = rgb[i + 1] = rgb[i + 2] = 0;
+    s.add("rgb", 3, rgb);
+    return s;
+}
+void expect_apart(const Samples& samples) {
+    const Samples out = RunNode("smooth-radiance").in("samples", samples).out<Samples>("samples");
+    double noisy = 0;
+    for (size_t i = 0; i < out.size(); ++i) {
+        if (i % 2) noisy += out.rgb()[3 * i];
+        else EXPECT_NEAR(out.rgb()[3 * i], 0, 1e-6);
+    }
+    EXPECT_NEAR(noisy / (0.5 * double(out.size())), 0.5, 0.03);
+}
+
+TEST(SmoothRadiance, SamplesOfAnotherNormalDoNotMix) {
+    Samples s = mixed_with_black();
+    std::vector<float> normal;
+    for (size_t i = 0; i < s.size(); ++i) {
+        if (i % 2) normal.insert(normal.end(), {0, 0, 1});
+        else normal.insert(normal.end(), {0, 0.6f, 0.8f});  // 36 degrees from it
+    }
+    s.add("normal", 3, normal);
+    expect_apart(s);
+}
+
+TEST(SmoothRadiance, SamplesOfAnotherAlbedoDoNotMix) {
+    Samples s = mixed_with_black();
+    std::vector<float> albedo;
+    for (size_t i = 0; i < s.size(); ++i) albedo.insert(albedo.end(), {0.5f, i % 2 ? 0.5f : 0.7f, 0.5f});
+    s.add("albedo", 3, albedo);
+    expect_apart(s);
+}
+
+TEST(SmoothRadiance, ARidgeKeepsItsTwoSidesApart) {
+    // Two planes that meet at x = 24, of unlike brightness, both noisy.
+    const auto truth = [](float x) { return x < 24 ? 0.2f : 0.8f; };
+    Samples s = plane(48, 48, 4, [&](float x, float, float r) { return truth(x) * 2 * r; });
+    std::vector<float> normal;
+    for (size_t i = 0; i < s.size(); ++i) normal.insert(normal.end(), {s.xy()[2 * i] < 24 ? -0.3f : 0.3f, 0, 0.954f});
+    s.add("normal", 3, normal);
+    const auto error = [&](double tolerance) {
+        const Samples out = RunNode("smooth-radiance").set("normal-tolerance", tolerance).in("samples", s).out<Samples>("samples");
+        double sum = 0;
+        size_t n = 0;
+        for (size_t i = 0; i < s.size(); ++i) {
+            const float x = s.xy()[2 * i];
+            if (std::abs(x - 24) > 4) continue;
+            sum += std::pow(double(out.rgb()[3 * i] - truth(x)), 2);
+            ++n;
+        }
+        return sum / double(n);
+    };
+    EXPECT_LT(error(0.55), 0.7 * error(1e6));
+}
+
 TEST(SmoothRadiance, BlackAndEmptyBuffersComeOutAsTheyWere) {
     const Samples black = plane(5, 5, 1, [](float, float, float) { return 0.0f; });
     EXPECT_EQ(RunNode("smooth-radiance").in("samples", black).out<Samples>("samples").size(), black.size());
@@ -143,8 +202,12 @@ TEST(SmoothRadiance, BlackAndEmptyBuffersComeOutAsTheyWere) {
 TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     using namespace light_field;
     PlainContext ctx;
-    const Samples samples = random_samples(24, 18, 3, Kind_of::moving_in_depth);
+    Samples samples = random_samples(24, 18, 3, Kind_of::moving_in_depth);
+    std::vector<float> normal;
+    for (size_t i = 0; i < samples.size(); ++i) normal.insert(normal.end(), {0.4f * std::sin(float(i)), 0.3f * std::cos(3.0f * float(i)), -1});
+    samples.add("normal", 3, normal);
     Smoothing by;
+    by.normal = 1.2f;
     by.width = {1, 1.5f, 2.2f, 3.5f};
     by.depth = 0.1f;
     by.slope = 1;
@@ -160,9 +223,14 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
             return -1.0;
         return std::hypot(double(s.x[j] - s.x[i]), double(s.y[j] - s.y[i]));
     };
+    const auto likeness = [&](size_t i, size_t j) {
+        double apart = 0;
+        for (const auto& part : s.normal) apart += std::pow(double(part[i] - part[j]), 2);
+        return std::max(0.0, 1 - apart / (by.normal * by.normal));
+    };
     const auto weight = [&](size_t k, size_t i, size_t j) {
         const double d = distance(i, j), w = d < 0 ? 0 : std::max(0.0, 1 - d / by.width[k]);
-        return k == 0 ? w * w : w;
+        return k == 0 ? w * w : w * likeness(i, j);
     };
     const std::span<const float> y[3] = {s.r, s.g, s.b};
     // Prediction of sample i by treatment k from the radiance `of`, without sample `out`.
@@ -233,10 +301,10 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 for (size_t j = 0; j < n; ++j) {
                     const double d = distance(i, j);
                     if (d < 0 || d >= by.window) continue;
-                    const double g = (1 - d / by.window) * double(changes[k].gain[j]);
+                    const double w = (1 - d / by.window) * likeness(i, j), g = w * double(changes[k].gain[j]);
                     gain += g;
                     spread += g * g;
-                    way += (1 - d / by.window) * double(changes[k].way[j]);
+                    way += w * double(changes[k].way[j]);
                 }
                 gain += (k == 4 ? by.sharp_caution : by.caution) * std::sqrt(spread);
                 // The least error of all mixes, by trying them.
