@@ -83,7 +83,7 @@ struct PreferUnbiased {
                         excess += (a * a - b * b) / (of_mean * noise_means.row(c, y)[x] + 1e-8f) / 3;
                     }
                     const float t = std::clamp((excess - low) / (high - low), 0.0f, 1.0f), s = t * t * (3 - 2 * t);
-                    for (int c = 0; c < 3; ++c) result.at(x, y)[c] += (other.at(x, y)[c] - image.at(x, y)[c]) * s;
+                    for (int c = 0; c < 3 && s > 0; ++c) result.at(x, y)[c] += (other.at(x, y)[c] - image.at(x, y)[c]) * s;
                 }
         });
         out.set("image", std::move(result));

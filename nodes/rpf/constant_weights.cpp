@@ -25,7 +25,6 @@ struct ConstantWeights {
         for (size_t k = 0; k < n.vectors->components.size(); ++k)
             if (n.vectors->components[k].role == Role::feature) w.of_row[k] = beta;
         for (size_t c = 0; c < 3; ++c) w.of_row[n.color_row(c)] = alpha;
-        w.noise.assign(n.rows(), 0.0f);
         w.w_random = w_random;
         w.w_color = {w_random, w_random, w_random};
     }

@@ -71,7 +71,6 @@ struct DependencyEstimate {
         choose_rows(*n.vectors, scratch);
         w.of_row.assign(n.rows(), 0.0f);
         w.w_color = {0, 0, 0};
-        w.noise.assign(n.rows(), 0.0f);
         w.w_random = 0;
         if (n.samples() == 0) return;
         bin_rows(n, scratch);
@@ -111,7 +110,6 @@ struct DependencyEstimate {
         for (size_t k = 0; k < scratch.features.size(); ++k) {
             const size_t row = scratch.features[k];
             const float noise = share(dependence(row, scratch.random), dependence(row, scratch.position));
-            w.noise[row] = noise;
             w.of_row[row] = (color_share ? float(to_color[k] / all) : 1.0f) * std::max(0.0f, 1 - beta_by * noise) * scratch.gain[row];
         }
         if (per_vector) share_betas(*n.vectors, w.of_row);

@@ -23,7 +23,7 @@ struct DrawSettings {
     std::uint64_t seed = 1;
 };
 
-// Of a place `dx`, `dy` from the block's first pixel the sample `turn` after the one that chance begins with.
+// Of a place `dx`, `dy` from the block's middle the sample `turn` after the one that chance begins with.
 struct Offset {
     std::int16_t dx, dy;
     std::uint32_t turn;

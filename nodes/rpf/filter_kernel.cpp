@@ -8,7 +8,7 @@
 namespace weft::rpf::WEFT_ISA {
 namespace {
 
-// e^-x for x >= 0, to 4e-5 of itself: 2^n times a polynomial for 2^fraction.
+// e^-x for any x >= 0; what is past 80 is as good as nothing.
 HWY_INLINE VF falling(VF x) { return exp_of_minus(hn::Min(x, hn::Set(f, 80.0f))); }
 
 constexpr size_t together = 4;  // own samples

@@ -58,7 +58,7 @@ struct PixelScratch {
     void sort_into_bins(const float* row, size_t n, const Edges& edges, BinMasks& masks);                              \
     /* How many samples lie in each pair of bins: the first bin's cells, the next's. */                                \
     void count_pairs(const BinMasks& a, const BinMasks& b, std::uint32_t* cells);                                      \
-    /* Colours of a neighbourhood's own samples, filtered from those of all; their variances, effective numbers. */   \
+    /* Colours of a neighbourhood's own samples, filtered from those of all, and of how many. */                      \
     void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb, const Likeness& likeness,      \
                 FilterScratch& scratch, SampleColors& out);                                                            \
     /* Of each pixel of a block the weights of those around it: block pixels x by.size(). */                           \

@@ -47,7 +47,6 @@ struct Neighbourhoods : Batch {
 // How much each row counts in the filter's distances, and how much of the colour is noise.
 struct Weights : Batch {
     std::vector<float> of_row;       // beta of a feature, alpha of a colour, 0 of all else
-    std::vector<float> noise;        // of each row: W_f^r, W_c,k^r
     float w_random = 0;              // W_c^r
     std::array<float, 3> w_color{};  // W_c,k^r
     void count(Items& items) const { items.add("blocks", size()); }
