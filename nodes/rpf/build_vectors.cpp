@@ -80,6 +80,7 @@ struct BuildVectors {
     static void fill(const std::vector<const Channel*>& channels, SampleVectors& v, Context& ctx) {
         const size_t n = v.size();
         v.values.resize(n * v.stride + SampleVectors::padding);
+        std::fill(v.values.begin() + std::ptrdiff_t(n * v.stride), v.values.end(), 0.0f);  // kernels compare what they read there
         std::vector<std::uint8_t> whole(n);
         const auto rgb = v.samples.rgb();
         const size_t broken = ctx.reduce(

@@ -17,6 +17,7 @@ struct DiscScene {
     int width = 128, height = 96, spp = 4;
     float slope = 0;  // of the discs, px per unit of lens; the backdrop is as sharp as it can be
     std::array<float, 2> velocity = {0, 0};  // px per shutter
+    float light = 1;                         // of the discs; the backdrop's is 0.05
     std::vector<Disc> discs;
 
     Samples samples(unsigned seed) const {
@@ -41,14 +42,14 @@ struct DiscScene {
                     const float r = std::sqrt(unit(random)), a = 6.2831853f * unit(random);
                     const float u = r * std::cos(a), v = r * std::sin(a), time = unit(random);
                     const bool hit = covered(sx, sy, u, v, time);
-                    const float light = hit ? 1.0f : 0.05f;
+                    const float radiance = hit ? light : 0.05f;
                     xy.insert(xy.end(), {sx, sy});
                     uv.insert(uv.end(), {u, v});
                     t.push_back(time);
                     z.push_back(hit ? depth : INFINITY);
                     motion.insert(motion.end(), {hit ? velocity[0] * depth : 0,
                                                  hit ? velocity[1] * depth : 0, 0});
-                    rgb.insert(rgb.end(), {light, light, light});
+                    rgb.insert(rgb.end(), {radiance, radiance, radiance});
                     alpha.push_back(hit ? 1.0f : 0.0f);
                 }
         s.set_size(z.size());
@@ -175,12 +176,26 @@ double light_of(const Image& picture) {
 
 class SmallHighlights : public testing::TestWithParam<std::tuple<int, Look>> {};
 
-TEST_P(SmallHighlights, KeepMostOfTheirLight) {
-    const auto& [spp, look] = GetParam();
+// Light of the picture over that of its samples.
+double kept_light(const DiscScene& scene, const Samples& samples, const std::string& picture) {
+    const TestFolder folder;
+    PlainContext ctx;
+    write_npz(samples, folder / "samples.npz", false, ctx);
+    const GraphRun run(tlfr_text(folder / "samples.npz", R"("per-pixel": 64)", picture));
+    return light_of(run.picture) / light_of(scene, samples);
+}
+
+DiscScene scene_of(int spp, const Look& look) {
     DiscScene scene;
     scene.spp = spp;
     scene.slope = look.slope;
     scene.velocity = {look.velocity, -0.5f * look.velocity};
+    return scene;
+}
+
+TEST_P(SmallHighlights, KeepTheirLight) {
+    const auto& [spp, look] = GetParam();
+    DiscScene scene = scene_of(spp, look);
     // On a loose grid, away from the border, over which light would be carried out of the picture.
     std::mt19937 random(11);
     std::uniform_real_distribution<float> unit(0, 1);
@@ -189,15 +204,26 @@ TEST_P(SmallHighlights, KeepMostOfTheirLight) {
             scene.discs.push_back(
                 {x + 3 * unit(random), y + 3 * unit(random), 0.7f + 0.5f * unit(random)});
     const Samples samples = scene.samples(5);
-    const TestFolder folder;
-    PlainContext ctx;
-    write_npz(samples, folder / "samples.npz", false, ctx);
-    const GraphRun run(tlfr_text(folder / "samples.npz", R"("per-pixel": 64)"));
     // Taken as solid or not at all, as hulls of their few samples have it, they would keep 53 to 87
     // %.
-    const double kept = light_of(run.picture) / light_of(scene, samples);
+    const double kept = kept_light(scene, samples, "picture");
     EXPECT_GT(kept, spp == 8 ? 0.7 : 0.84) << look.name;
     EXPECT_LT(kept, 1.15) << look.name;
+    EXPECT_NEAR(kept_light(scene, samples, "energy"), 1, 0.01) << look.name;
+}
+
+// A thousand times as bright as what is around it, with nothing near to make up for it.
+TEST_P(SmallHighlights, KeepItOneByOne) {
+    const auto& [spp, look] = GetParam();
+    DiscScene scene = scene_of(spp, look);
+    scene.light = 50;
+    scene.discs = {{64.3f, 48.2f, 1}};
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        const Samples samples = scene.samples(seed);
+        if (!(light_of(scene, samples) > 0)) continue;
+        EXPECT_NEAR(kept_light(scene, samples, "energy"), 1, 0.01)
+            << look.name << ", seed " << seed;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -205,6 +231,21 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Combine(testing::Values(1, 3, 4, 8),
                      testing::Values(Look{"in focus, still", 0, 0}, Look{"before focus", -3, 0},
                                      Look{"moving", 0, 6}, Look{"moving before focus", -3, 5})));
+
+// Means of all samples are no measure for what one place on the lens sees.
+TEST(SampleMeans, AreLeftOutWhereThePictureIsAnother) {
+    DiscScene scene = scene_of(4, {"before focus", -6, 0});
+    scene.discs = {{64, 48, 12}};
+    const TestFolder folder;
+    PlainContext ctx;
+    write_npz(scene.samples(1), folder / "samples.npz", false, ctx);
+    const std::string pinhole = R"("per-pixel": 16, "lens": "fixed")";
+    const GraphRun plain(tlfr_text(folder / "samples.npz", pinhole)),
+        held(tlfr_text(folder / "samples.npz", pinhole, "energy"));
+    EXPECT_TRUE(std::ranges::equal(plain.picture.pixels(), held.picture.pixels()));
+    ASSERT_EQ(held.warnings.size(), 1u);
+    EXPECT_NE(held.warnings[0].find("place on the lens"), std::string::npos);
+}
 
 }  // namespace
 }  // namespace weft

@@ -60,16 +60,18 @@ inline Samples random_samples(int width, int height, int spp, Kind_of kind, unsi
     return s;
 }
 
-// A graph that reconstructs `file`; `locations` are parameters of output-locations, `stages` further text
-// for the nodes.
-inline std::string tlfr_text(const std::string& file, const std::string& locations) {
+// A graph that reconstructs `file`; `locations` are parameters of output-locations, `picture` is the node whose
+// image is written: picture or energy.
+inline std::string tlfr_text(const std::string& file, const std::string& locations, const std::string& picture = "picture") {
     return R"({"weft": 1, "nodes": {
         "samples":   {"type": "read-samples", "set": {"file": ")" + file + R"("}},
         "smooth":    {"type": "smooth-radiance", "in": {"samples": "samples"}},
         "hierarchy": {"type": "build-hierarchy", "in": {"samples": "smooth"}},
         "locations": {"type": "output-locations", "in": {"hierarchy": "hierarchy"}, "set": {)" + locations + R"(}},
         "picture":   {"type": "parts/tlfr-stages.json", "in": {"hierarchy": "hierarchy", "locations": "locations"}},
-        "write":     {"type": "write-image", "in": {"image": "picture"}, "set": {"file": "OUT", "depth": "float"}}}})";
+        "means":     {"type": "sample-means", "in": {"locations": "locations", "samples": "samples"}},
+        "energy":    {"type": "preserve-energy", "in": {"image": "picture", "means": "means"}},
+        "write":     {"type": "write-image", "in": {"image": ")" + picture + R"("}, "set": {"file": "OUT", "depth": "float"}}}})";
 }
 
 }  // namespace weft
