@@ -85,6 +85,7 @@ void join_sink(const Plan& plan, int node, Values& values, NodeContext& ctx, con
         idle.push_back(std::move(scratch));
     });
     Outputs out = values.outputs_of(node);
+    ctx.speak_for(plan.graph->nodes[size_t(node)].name);
     instance.close(in, result.get(), out, ctx);
 }
 

@@ -14,6 +14,8 @@ class NodeContext final : public Context {
     NodeContext(std::string node, Executor& executor, Monitor& monitor, TaskProgress& progress, const RunOptions& options)
         : node_(std::move(node)), executor_(executor), monitor_(monitor), progress_(progress), options_(options) {}
 
+    // Whose warnings follow: a segment has several nodes.
+    void speak_for(const std::string& node) { node_ = node; }
     void warn(const std::string& message) override { monitor_.warn(node_, message); }
     bool cancelled() const override { return options_.stop && *options_.stop; }
     void parallel(size_t count, size_t grain, const std::function<void(size_t, size_t)>& work) override;

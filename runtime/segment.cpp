@@ -123,6 +123,7 @@ class Segment {
             Inputs in = values_.inputs_of(node);
             in.extent_ = extent_;
             Outputs out = values_.outputs_of(node);
+            ctx_.speak_for(plan_.graph->nodes[size_t(node)].name);
             guarded(node, [&] { instance.close(in, results_[i].get(), out, ctx_); });
         }
     }

@@ -25,7 +25,7 @@ struct GraphRun {
         RunOptions options;
         options.tile = tile;
         Monitor monitor;
-        monitor.warning = [&](const std::string&, const std::string& message) { warnings.push_back(message); };
+        monitor.warning = [&](const std::string& node, const std::string& message) { warnings.push_back(node + ": " + message); };
         PlanOptions plan;
         plan.fuse = fuse;
         result = run_plan(make_plan(loaded.graph, plan), *make_thread_executor(threads), monitor, options);
