@@ -270,6 +270,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.order = sorted(std::move(keys), ctx);
     allocate(h);
     const auto rgb = samples.rgb(), alpha = samples.values("alpha");
+    h.opaque = std::all_of(alpha.begin(), alpha.end(), [](float a) { return a == 1; });
     // Each sample is fetched once, and its group bounded while it is at hand.
     constexpr size_t groups = chunk / Hierarchy::group_size;
     ctx.parallel(h.groups.size(), groups * 16, [&](size_t first, size_t last) {

@@ -50,15 +50,17 @@ void gather_all(const Projection& p, const Locations& at, float radius, Candidat
     const VF limit = hn::Set(f, radius * radius);
     const float *px = p.x.data(), *py = p.y.data();
     const std::uint32_t *samples = p.sample.data(), *traits = p.traits.data();
-    Reach reach;
+    constexpr size_t at_once = 64;
+    std::uint32_t cells[3][at_once];
+    const Reach reach{cells[0], cells[1], cells[2]};
     size_t k = 0;
-    for (size_t first = 0; first < n; first += Reach::at_once) {
-        const size_t count = std::min(n - first, Reach::at_once);
-        reach.find(p, &at.x[first], &at.y[first], count, radius);
+    for (size_t first = 0; first < n; first += at_once) {
+        const size_t count = std::min(n - first, at_once);
+        find_reach(p, &at.x[first], &at.y[first], count, radius, reach);
         for (size_t j = 0; j < count; ++j) {
             const size_t l = first + j;
-            const std::uint32_t* row = p.start.data() + size_t(reach.top[j]) * pitch + size_t(reach.left[j]);
-            const size_t across = size_t(reach.right[j] - reach.left[j]) + 1, rows = size_t(reach.bottom[j] - reach.top[j]) + 1;
+            const std::uint32_t* row = p.start.data() + reach.first[j];
+            const size_t across = reach.across[j], rows = reach.rows[j];
             size_t tested = rows * usual + lanes;
             for (size_t r = 0; r < rows; ++r) tested += row[r * pitch + across] - row[r * pitch];
             const Ends end = room(out, k, tested);

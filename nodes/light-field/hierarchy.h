@@ -29,6 +29,7 @@ class Hierarchy {
     Lens lens;             // slopes; C0 = C1 = 0 for a pinhole buffer
     ShutterCurve shutter;  // how far open, over t
     bool moving = false;
+    bool opaque = true;  // all alphas are 1
     std::string color_space = "lin_rec709";
 
     // One value a sample, sorted; the end is filled up to whole groups with samples that are

@@ -57,6 +57,12 @@ inline float samples_in(float radius, const Hierarchy& h) { return float(h.mean_
 // weights, against that of a surface without gaps, under a squared tent, whose integral is a sixth of the disk's area.
 inline constexpr float thin_near = 0.4f, thin_around = 0.25f, squared_tent_mean = 1.0f / 6;
 
+// Of each of some locations, the cells of a projection's grid near it: the first, how many side by
+// side, how many rows of them.
+struct Reach {
+    std::uint32_t *first, *across, *rows;
+};
+
 struct CoverageScratch {
     std::vector<float> x, y, left_x, left_y, right_x, right_y;
     std::vector<std::uint32_t> sizes;  // of each surface, and its weight
@@ -82,6 +88,7 @@ struct SeeSettings {
     bool final = false;      // settle all, as coverage's final pass does
 };
 struct SeeScratch {
+    std::vector<std::uint32_t> cell, across, rows;  // Reach
     std::vector<std::uint32_t> open;    // locations that are not settled at first sight
     std::vector<std::uint8_t> colored;  // whether they have a colour, should they have one surface
     // Candidates of one location: as they are found, and nearest first.

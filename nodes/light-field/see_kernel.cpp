@@ -13,26 +13,33 @@ namespace weft::light_field::WEFT_ISA {
 namespace {
 
 // Whether samples' traits (Projection) differ so little from some model's that no two of them can
-// conflict.
+// conflict: each byte is the `span` at most below a `top`, counted around a circle of 256.
 struct Likeness {
-    VU most;  // of each byte
+    VU half, span;  // of each byte
     Likeness(std::int32_t slopes, std::int32_t velocities, bool moving) {
-        const auto half = [](std::int32_t way) { return std::uint32_t(std::max(way, 0) / 2); };
-        const std::uint32_t velocity = moving ? half(velocities) : 255;
-        most = hn::Set(un, slopes < 0 || (moving && velocities < 0)
-                               ? 0
-                               : half(slopes) | velocity << 8 | velocity << 16);
+        const bool never = slopes < 0 || (moving && velocities < 0);
+        const auto bytes = [&](auto&& of) {
+            const std::uint32_t slope = of(slopes), velocity = moving ? of(velocities) : of(255);
+            return hn::Set(un, never ? 0 : slope | velocity << 8 | velocity << 16);
+        };
+        half = bytes([](std::int32_t way) { return std::uint32_t(std::max(way, 0) / 2); });
+        span = bytes([](std::int32_t way) {
+            return way >= 254 ? 255 : std::uint32_t(std::max(way, 0) / 2 * 2);
+        });
+    }
+    HWY_INLINE VU top(std::uint32_t model) const {
+        const auto way = hn::BitCast(un8, half), middle = hn::BitCast(un8, hn::Set(un, model));
+        return hn::BitCast(un, hn::SaturatedAdd(hn::Max(middle, way), way));
     }
     template <class M>
-    HWY_INLINE VU add(VU unlike, VU traits, VU model, M in) const {
-        const auto a = hn::BitCast(un8, traits), b = hn::BitCast(un8, model);
-        const VU differ = hn::BitCast(un, hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)));
-        const VU counts = hn::IfThenElseZero(hn::RebindMask(un, in), differ);
-        return hn::BitCast(un, hn::Max(hn::BitCast(un8, unlike), hn::BitCast(un8, counts)));
+    HWY_INLINE VU add(VU below, VU top, VU traits, M in) const {
+        const VU way = hn::BitCast(un, hn::Sub(hn::BitCast(un8, top), hn::BitCast(un8, traits)));
+        const VU counts = hn::IfThenElseZero(hn::RebindMask(un, in), way);
+        return hn::BitCast(un, hn::Max(hn::BitCast(un8, below), hn::BitCast(un8, counts)));
     }
-    HWY_INLINE bool holds(VU unlike) const {
-        const auto limit = hn::BitCast(un8, most);
-        return hn::AllTrue(un8, hn::Eq(hn::Max(hn::BitCast(un8, unlike), limit), limit));
+    HWY_INLINE bool holds(VU below) const {
+        const auto limit = hn::BitCast(un8, span);
+        return hn::AllTrue(un8, hn::Eq(hn::Max(hn::BitCast(un8, below), limit), limit));
     }
 };
 
@@ -58,12 +65,13 @@ class Seeing {
         slopes_ = bound(set.test.box * std::max(1.0f, h_.lens.aspect), p.slope_step);
         velocities_ = bound(0.5f * set.test.box, p.velocity_step);
         c_.visibility.decision.assign(at.size(), Decision::one);
+        for (auto* values : {&c_.cell, &c_.across, &c_.rows}) values->resize(at.size() + lanes);
+        find_reach(p, at.x.data(), at.y.data(), at.size(), set.radius,
+                   {c_.cell.data(), c_.across.data(), c_.rows.data()});
     }
 
     // First look: most locations have one surface only.
     void look() {
-        c_.open.clear();
-        c_.colored.clear();
         if (alike(p_.spread))
             look_at_each<false>();
         else
@@ -84,53 +92,56 @@ class Seeing {
         constexpr size_t usual = Projection::padding;
         const size_t n = at_.size(), pitch = size_t(p_.columns) + 1;
         const float *px = p_.x.data(), *py = p_.y.data(), *rgba = p_.rgba.data();
+        const float *at_x = at_.x.data(), *at_y = at_.y.data();
+        const std::uint32_t *start = p_.start.data(), *traits = p_.traits.data();
         const Likeness likeness(slopes_, velocities_, h_.moving);
-        std::uint32_t usual_traits = 0;
-        Reach reach;
-        for (size_t first = 0; first < n; first += Reach::at_once) {
-            const size_t count = std::min(n - first, Reach::at_once);
-            reach.find(p_, &at_.x[first], &at_.y[first], count, set_.radius);
-            for (size_t j = 0; j < count; ++j) {
-                const size_t l = first + j;
-                const std::uint32_t* row =
-                    p_.start.data() + size_t(reach.top[j]) * pitch + size_t(reach.left[j]);
-                const size_t across = size_t(reach.right[j] - reach.left[j]) + 1,
-                             rows = size_t(reach.bottom[j] - reach.top[j]) + 1;
-                const VF at_x = hn::Set(f, at_.x[l]), at_y = hn::Set(f, at_.y[l]);
-                const VU model = hn::Set(un, usual_traits);
-                VU unlike = hn::Zero(un);
-                Sums sums;
-                const auto add = [&](size_t i) HWY_ATTR {
-                    const VF d2 = squared(hn::Sub(hn::LoadU(f, px + i), at_x),
-                                          hn::Sub(hn::LoadU(f, py + i), at_y));
-                    if constexpr (each)
-                        unlike = likeness.add(unlike, hn::LoadU(un, &p_.traits[i]), model,
-                                              hn::Lt(d2, limit_));
-                    sums.add(weight_(d2), rgba + 4 * i);
-                };
-                for (size_t r = 0; r < rows; ++r, row += pitch) {
-                    size_t i = row[0];
-                    const size_t stop = row[across];
-                    out_.candidates += stop - i;
-                    for (size_t done = 0; done < usual; done += lanes, i += lanes) add(i);
-                    for (; i < stop; i += lanes) add(i);
-                }
-                const bool colored = sums.mean(&out_.rgba[4 * l]) > 0;
-                out_.valid[l] = 1;
-                if (colored && (!each || likeness.holds(unlike))) continue;
-                c_.open.push_back(std::uint32_t(l));
-                c_.colored.push_back(colored);
-                // A sample whose traits do not fit (the fourth byte) is like none.
-                if constexpr (each) usual_traits = p_.traits[p_.start[cell_of(l)]] & 0xffffff;
+        c_.open.resize(n);
+        c_.colored.resize(n);
+        std::uint32_t* opens = c_.open.data();
+        std::uint8_t* colors = c_.colored.data();
+        float* to = out_.rgba.data();
+        const VF limit = limit_;
+        const TentWeight<power> tent = weight_;
+        const bool opaque = h_.opaque;
+        size_t open = 0;
+        std::uint64_t looked_at = 0;
+        for (size_t l = 0; l < n; ++l, to += 4) {
+            const std::uint32_t* row = start + c_.cell[l];
+            const size_t across = c_.across[l], rows = c_.rows[l];
+            const VF x = hn::Set(f, at_x[l]), y = hn::Set(f, at_y[l]);
+            VU top = hn::Zero(un), below = top;
+            // The model is one of those about the middle, which as a rule is like all others. (If
+            // its traits do not fit, the fourth byte, it is like none.)
+            if constexpr (each)
+                top = likeness.top(traits[row[rows / 2 * pitch + across / 2]] & 0xffffff);
+            Sums sums;
+            const auto add = [&](size_t i) HWY_ATTR {
+                const VF d2 =
+                    squared(hn::Sub(x, hn::LoadU(f, px + i)), hn::Sub(y, hn::LoadU(f, py + i)));
+                if constexpr (each)
+                    below = likeness.add(below, top, hn::LoadU(un, traits + i), hn::Lt(d2, limit));
+                sums.add(tent(d2), rgba + 4 * i);
+            };
+            // Most rows hold no more than is usual: what is beyond is left for the end.
+            const std::uint32_t* last = row + rows * pitch;
+            std::uint32_t longest = 0;
+            for (const std::uint32_t* of = row; of != last; of += pitch) {
+                for (size_t done = 0; done < usual; done += lanes) add(of[0] + done);
+                longest = std::max(longest, of[across] - of[0]);
+                looked_at += of[across] - of[0];
             }
+            for (; longest > usual && row != last; row += pitch)
+                for (size_t i = row[0] + usual; i < row[across]; i += lanes) add(i);
+            const bool colored = sums.mean(opaque, to) > 0;
+            // No branch: it would be known late, and often be foreseen wrongly.
+            opens[open] = std::uint32_t(l);
+            colors[open] = colored;
+            open += !(colored & (!each || likeness.holds(below)));
         }
-    }
-
-    // The cell in which location l lies.
-    size_t cell_of(size_t l) const {
-        const int column = int(std::floor(at_.x[l] / p_.cell_width)) - p_.column0,
-                  row = int(std::floor(at_.y[l] / p_.cell_height)) - p_.row0;
-        return size_t(row) * size_t(p_.columns + 1) + size_t(column);
+        std::fill_n(out_.valid.begin(), n, std::uint8_t(1));
+        c_.open.resize(open);
+        c_.colored.resize(open);
+        out_.candidates += looked_at;
     }
 
     bool still(std::uint32_t spread) const {
@@ -144,14 +155,9 @@ class Seeing {
 
     // The candidates of location l, side by side; their spread.
     std::uint32_t gather(size_t l) {
-        Reach reach;
-        reach.find(p_, &at_.x[l], &at_.y[l], 1, set_.radius);
-        const size_t pitch = size_t(p_.columns) + 1,
-                     across = size_t(reach.right[0] - reach.left[0]) + 1;
-        const std::uint32_t* first =
-            p_.start.data() + size_t(reach.top[0]) * pitch + size_t(reach.left[0]);
-        const std::uint32_t* last =
-            p_.start.data() + size_t(reach.bottom[0]) * pitch + size_t(reach.left[0]);
+        const size_t pitch = size_t(p_.columns) + 1, across = c_.across[l];
+        const std::uint32_t* first = p_.start.data() + c_.cell[l];
+        const std::uint32_t* last = first + (c_.rows[l] - 1) * pitch;
         size_t most = 4 * lanes;
         for (const std::uint32_t* row = first; row <= last; row += pitch)
             most += row[across] - row[0];

@@ -36,8 +36,9 @@ struct Sums {
         even = hn::MulAdd(part(2), hn::LoadU(f, rgba + 2 * lanes), even);
         odd = hn::MulAdd(part(3), hn::LoadU(f, rgba + 3 * lanes), odd);
     }
-    // Writes the mean; returns the sum of weights.
-    HWY_INLINE float mean(float* out) const {
+    // Writes the mean; returns the sum of weights. `opaque`: all alphas are 1, so that theirs is
+    // it.
+    HWY_INLINE float mean(bool opaque, float* out) const {
         const VF all = hn::Add(even, odd);
 #if HWY_MAX_BYTES == 64
         const hn::FixedTag<float, 8> o;
@@ -48,9 +49,10 @@ struct Sums {
 #else
         const auto sum = all;
 #endif
-        const float total = hn::GetLane(hn::SumOfLanes(f, weight));
-        hn::StoreU(hn::Div(sum, hn::Set(q, total)), q, out);
-        return total;
+        const auto total =
+            opaque ? hn::Broadcast<3>(sum) : hn::Set(q, hn::GetLane(hn::SumOfLanes(f, weight)));
+        hn::StoreU(hn::Div(sum, total), q, out);
+        return hn::GetLane(total);
     }
 };
 
