@@ -1,70 +1,117 @@
-// Bins as bits, and the bits that two bins share.
+// Bins as bits, and how many bits columns share.
 #include <algorithm>
+#include <cstring>
 
 #include "rpf/kernels.h"
 #include "rpf/simd.h"
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 namespace weft::rpf::WEFT_ISA {
 namespace {
 
-// Bit i: row[i] >= edge.
-void at_least(const float* row, size_t n, float edge, std::uint64_t* bits) {
+// Bit i: row[i] >= edge, of 64 numbers or the `n` there are.
+HWY_INLINE std::uint64_t at_least(const float* row, size_t n, float edge) {
     const VF low = hn::Set(f, edge);
-    for (size_t word = 0; word * 64 < n; ++word) {
-        std::uint64_t all = 0;
-        const size_t end = std::min<size_t>(64, (n - word * 64 + lanes - 1) / lanes * lanes);
-        for (size_t i = 0; i < end; i += lanes) {
-            std::uint8_t bytes[8] = {};
-            hn::StoreMaskBits(f, hn::Ge(hn::LoadU(f, row + word * 64 + i), low), bytes);
-            all |= std::uint64_t(bytes[0] | (lanes > 8 ? bytes[1] << 8 : 0)) << i;
+    std::uint64_t all = 0;
+    const size_t end = std::min<size_t>(64, (n + lanes - 1) / lanes * lanes);
+    for (size_t i = 0; i < end; i += lanes) {
+        std::uint8_t bytes[8] = {};
+        std::uint16_t some;
+        hn::StoreMaskBits(f, hn::Ge(hn::LoadU(f, row + i), low), bytes);
+        std::memcpy(&some, bytes, sizeof some);
+        all |= std::uint64_t(some) << i;
+    }
+    return all;
+}
+
+constexpr size_t together = 8;  // columns that are compared with others at once
+
+using B = hn::ScalableTag<std::uint8_t>;
+using W = hn::ScalableTag<std::uint64_t>;
+constexpr size_t word_lanes = hn::MaxLanes(W());
+
+// Of `together` columns with as many others as a vector holds words. Bits are counted in bytes, which hold those of 31 words.
+HWY_INLINE void count_some(const std::uint64_t* const* a, const std::uint64_t* b, size_t pitch, size_t words, std::uint32_t* const* to) {
+    constexpr B bytes;
+    constexpr W whole;
+    hn::Vec<W> sum[together];
+    for (auto& s : sum) s = hn::Zero(whole);
+    for (size_t begin = 0; begin < words; begin += 31) {
+        hn::Vec<B> bits[together];
+        for (auto& v : bits) v = hn::Zero(bytes);
+        for (size_t w = begin; w < std::min(words, begin + 31); ++w) {
+            const auto other = hn::LoadU(whole, b + w * pitch);
+            for (size_t o = 0; o < together; ++o)
+                bits[o] = hn::Add(bits[o], hn::PopulationCount(hn::BitCast(bytes, hn::And(hn::Set(whole, a[o][w * pitch]), other))));
         }
-        if (n - word * 64 < 64) all &= (std::uint64_t(1) << (n - word * 64)) - 1;
-        bits[word] = all;
+        for (size_t o = 0; o < together; ++o) sum[o] = hn::Add(sum[o], hn::SumsOf8(bits[o]));
+    }
+    for (size_t o = 0; o < together; ++o) {
+        std::uint64_t found[word_lanes];
+        hn::StoreU(sum[o], whole, found);
+        for (size_t k = 0; k < word_lanes; ++k) to[o][k] = std::uint32_t(found[k]);
     }
 }
 
-std::uint32_t common(const std::uint64_t* a, const std::uint64_t* b, size_t words) {
-    std::uint32_t n = 0;
-    for (size_t w = 0; w < words; ++w) n += std::uint32_t(__builtin_popcountll(a[w] & b[w]));
-    return n;
+#if defined(__AVX512F__)
+// The same where the processor counts bits itself, which not every one of this level does.
+__attribute__((target("avx512vpopcntdq"))) void count_some_natively(const std::uint64_t* const* a, const std::uint64_t* b, size_t pitch, size_t words,
+                                                                    std::uint32_t* const* to) {
+    __m512i sum[together];
+    for (auto& s : sum) s = _mm512_setzero_si512();
+    for (size_t w = 0; w < words; ++w) {
+        const __m512i other = _mm512_loadu_si512(b + w * pitch);
+        for (size_t o = 0; o < together; ++o)
+            sum[o] = _mm512_add_epi64(sum[o], _mm512_popcnt_epi64(_mm512_and_si512(_mm512_set1_epi64(static_cast<long long>(a[o][w * pitch])), other)));
+    }
+    for (size_t o = 0; o < together; ++o) _mm256_storeu_si256(reinterpret_cast<__m256i*>(to[o]), _mm512_cvtepi64_epi32(sum[o]));
 }
+const bool counts_natively = __builtin_cpu_supports("avx512vpopcntdq");
+#endif
 
 }  // namespace
 
-void sort_into_bins(const float* row, size_t n, const Edges& edges, BinMasks& masks) {
-    masks.bins = edges.bins;
-    masks.words = (n + 63) / 64;
-    masks.samples = n;
-    masks.bits.resize(most_bins * masks.words);
-    const size_t words = masks.words;
-    std::uint64_t* bits = masks.bits.data();
-    // Of all, those past each edge in turn; what is past one and not past the next is the bin between.
-    std::fill_n(bits, words, ~std::uint64_t(0));
-    if (n % 64) bits[words - 1] = (std::uint64_t(1) << (n % 64)) - 1;
-    for (size_t b = 1; b < edges.bins; ++b) {
-        std::uint64_t *past = bits + b * words, *before = past - words;
-        at_least(row, n, edges.edge[b - 1], past);
-        for (size_t w = 0; w < words; ++w) before[w] &= ~past[w];
+void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns, size_t pitch, std::uint32_t* count) {
+    std::fill_n(count, most_bins, 0u);
+    const size_t last = edges.bins - 1;
+    // What is past one edge and not past the next lies in the bin between.
+    for (size_t begin = 0; begin < n; begin += 64, columns += pitch) {
+        const size_t left = n - begin;
+        const std::uint64_t all = left < 64 ? (std::uint64_t(1) << left) - 1 : ~std::uint64_t(0);
+        std::uint64_t past = all;
+        for (size_t b = 0; b < last; ++b) {
+            const std::uint64_t next = at_least(row + begin, left, edges.edge[b]) & all;
+            columns[b] = past & ~next;
+            count[b] += std::uint32_t(__builtin_popcountll(columns[b]));
+            past = next;
+        }
+        count[last] += std::uint32_t(__builtin_popcountll(past));
     }
-    for (size_t b = 0; b < edges.bins; ++b) masks.count[b] = common(bits + b * words, bits + b * words, words);
 }
 
-// The last of each column and row is what the others leave.
-void count_pairs(const BinMasks& a, const BinMasks& b, std::uint32_t* cells) {
-    const size_t words = a.words, last_a = a.bins - 1, last_b = b.bins - 1;
-    std::array<std::uint32_t, most_bins> left = b.count;
-    for (size_t i = 0; i < last_a; ++i) {
-        std::uint32_t rest = a.count[i];
-        for (size_t j = 0; j < last_b; ++j) {
-            const std::uint32_t n = a.count[i] == 0 || b.count[j] == 0 ? 0 : common(&a.bits[i * words], &b.bits[j * words], words);
-            cells[i * b.bins + j] = n;
-            rest -= n;
-            left[j] -= n;
+void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns, size_t pitch, size_t words, std::uint32_t* counts,
+                  size_t counts_pitch) {
+    for (size_t i = 0; i < rows; i += together) {
+        const std::uint64_t* mine[together];
+        std::uint32_t* to[together];
+        for (size_t j = 0; j < columns; j += word_lanes) {
+            for (size_t o = 0; o < together; ++o) {  // the last again where there are fewer
+                const size_t row = std::min(i + o, rows - 1);
+                mine[o] = a + row;
+                to[o] = counts + row * counts_pitch + j;
+            }
+#if defined(__AVX512F__)
+            if (counts_natively) {
+                count_some_natively(mine, b + j, pitch, words, to);
+                continue;
+            }
+#endif
+            count_some(mine, b + j, pitch, words, to);
         }
-        cells[i * b.bins + last_b] = rest;
-        left[last_b] -= rest;
     }
-    for (size_t j = 0; j <= last_b; ++j) cells[last_a * b.bins + j] = left[j];
 }
 
 }  // namespace weft::rpf::WEFT_ISA

@@ -56,12 +56,13 @@ struct DependencyEstimate {
     }
 
     struct Scratch {
-        std::vector<BinMasks> masks;  // of each row
-        std::vector<float> sorted;
         std::vector<size_t> random, position, features;  // rows
         std::vector<float> gain;                         // of each row
+        std::vector<NumberRow> rows;                     // random, position, colours, features
+        BinnedRows binned;
         MutualInformation information;
-        std::vector<double> to_color;  // of each feature: I with the colours
+        std::vector<double> by_parameter, by_feature;  // I of colours and features with random and position; of colours with features
+        std::vector<double> to_color;                  // of each feature: I with the colours
         const SampleVectors* of = nullptr;
     };
 
@@ -73,31 +74,34 @@ struct DependencyEstimate {
         w.w_color = {0, 0, 0};
         w.w_random = 0;
         if (n.samples() == 0) return;
-        bin_rows(n, scratch);
+        estimate(n, scratch);
 
-        const auto dependence = [&](size_t row, const std::vector<size_t>& set) {
+        const size_t parameters = scratch.random.size() + scratch.position.size(), used = scratch.features.size();
+        const auto dependence = [&](size_t which, size_t begin, size_t end) {
             double sum = 0, most = 0;
-            for (const size_t other : set) {
-                const double i = scratch.information(scratch.masks[row], scratch.masks[other]);
+            for (size_t k = begin; k < end; ++k) {
+                const double i = scratch.by_parameter[which * parameters + k];
                 sum += i;
                 most = std::max(most, i);
             }
-            return combine == Combine::sum ? sum : combine == Combine::largest ? most : sum / std::max(1.0, double(set.size()));
+            return combine == Combine::sum ? sum : combine == Combine::largest ? most : sum / std::max(1.0, double(end - begin));
         };
+        // Of a colour (0 to 2) or a feature (from 3 on).
+        const auto on_random = [&](size_t which) { return dependence(which, 0, scratch.random.size()); };
+        const auto on_position = [&](size_t which) { return dependence(which, scratch.random.size(), parameters); };
         const double granted = double(prior) / double(n.samples());
         const auto share = [&](double by_random, double by_position) { return float(by_random / (by_random + by_position + granted + 1e-10)); };
 
         double all_random = 0, all_position = 0, all_features = 0;
         std::vector<double>& to_color = scratch.to_color;
-        to_color.assign(scratch.features.size(), 0.0);
+        to_color.assign(used, 0.0);
         for (size_t c = 0; c < 3; ++c) {
-            const size_t row = n.color_row(c);
-            const double by_random = dependence(row, scratch.random), by_position = dependence(row, scratch.position);
+            const double by_random = on_random(c), by_position = on_position(c);
             w.w_color[c] = share(by_random, by_position);
             all_random += by_random;
             all_position += by_position;
-            for (size_t k = 0; k < scratch.features.size(); ++k) {
-                const double i = scratch.information(scratch.masks[row], scratch.masks[scratch.features[k]]);
+            for (size_t k = 0; k < used; ++k) {
+                const double i = scratch.by_feature[c * used + k];
                 to_color[k] += i;
                 all_features += i;
             }
@@ -107,9 +111,9 @@ struct DependencyEstimate {
         for (size_t c = 0; c < 3; ++c)
             w.of_row[n.color_row(c)] = std::max(0.0f, 1 - alpha_by * (per_color ? w.w_color[c] : w.w_random));
         const double all = all_random + all_position + all_features + 1e-10;
-        for (size_t k = 0; k < scratch.features.size(); ++k) {
+        for (size_t k = 0; k < used; ++k) {
             const size_t row = scratch.features[k];
-            const float noise = share(dependence(row, scratch.random), dependence(row, scratch.position));
+            const float noise = share(on_random(3 + k), on_position(3 + k));
             w.of_row[row] = (color_share ? float(to_color[k] / all) : 1.0f) * std::max(0.0f, 1 - beta_by * noise) * scratch.gain[row];
         }
         if (per_vector) share_betas(*n.vectors, w.of_row);
@@ -120,7 +124,6 @@ struct DependencyEstimate {
         if (scratch.of == &v) return;
         scratch.of = &v;
         scratch.information = MutualInformation(correction);
-        scratch.masks.resize(v.stride + 3);
         scratch.random = rows_of(v, Role::random, random);
         scratch.features = rows_of(v, Role::feature, features);
         scratch.position.clear();
@@ -144,14 +147,18 @@ struct DependencyEstimate {
         }
         return rows;
     }
-    void bin_rows(const Neighbourhoods& n, Scratch& scratch) const {
-        const auto bin = [&](size_t row) {
-            const Edges edges = find_edges(n.row(row), n.samples(), n.low[row], n.high[row], binning, size_t(bins), scratch.sorted);
-            WEFT_PICK(sort_into_bins)(n.row(row), n.samples(), edges, scratch.masks[row]);
-        };
-        for (const auto* set : {&scratch.random, &scratch.position, &scratch.features})
-            for (const size_t row : *set) bin(row);
-        for (size_t c = 0; c < 3; ++c) bin(n.color_row(c));
+    void estimate(const Neighbourhoods& n, Scratch& scratch) const {
+        scratch.rows.clear();
+        const auto add = [&](size_t row) { scratch.rows.push_back({n.row(row), n.low[row], n.high[row]}); };
+        for (const size_t row : scratch.random) add(row);
+        for (const size_t row : scratch.position) add(row);
+        const size_t colors = scratch.rows.size(), rest = colors + 3;
+        for (size_t c = 0; c < 3; ++c) add(n.color_row(c));
+        for (const size_t row : scratch.features) add(row);
+        const size_t all = scratch.rows.size();
+        sort_rows(scratch.rows, n.samples(), binning, size_t(bins), scratch.binned);
+        scratch.information(scratch.binned, {colors, all}, {0, colors}, scratch.by_parameter);
+        scratch.information(scratch.binned, {colors, rest}, {rest, all}, scratch.by_feature);
     }
     static void share_betas(const SampleVectors& v, std::vector<float>& of_row) {
         for (size_t c = 0; c < v.channels.size(); ++c) {

@@ -54,10 +54,14 @@ struct PixelScratch {
     void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t pitch, float* rows); \
     /* Each row to mean 0 and deviation 1 over its n numbers; 0 where it is constant. */                               \
     void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale, float* low, float* high); \
-    /* Which samples fall into each bin of a row: bits. */                                                             \
-    void sort_into_bins(const float* row, size_t n, const Edges& edges, BinMasks& masks);                              \
-    /* How many samples lie in each pair of bins: the first bin's cells, the next's. */                                \
-    void count_pairs(const BinMasks& a, const BinMasks& b, std::uint32_t* cells);                                      \
+    /* Which samples of a row fall into each bin but the last, as bits: columns that lie side by side, `pitch` from */ \
+    /* word to word; and how many fall into each. */                                                                  \
+    void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns, size_t pitch,          \
+                        std::uint32_t* count);                                                                         \
+    /* How many bits each of some columns shares with each of others: those of a from one to the next of b. Reads and */ \
+    /* writes up to whole multiples of 8 columns of b. */                                                              \
+    void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns, size_t pitch,       \
+                      size_t words, std::uint32_t* counts, size_t counts_pitch);                                       \
     /* Colours of a neighbourhood's own samples, filtered from those of all, and of how many. */                      \
     void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb, const Likeness& likeness,      \
                 FilterScratch& scratch, SampleColors& out);                                                            \

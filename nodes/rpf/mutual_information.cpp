@@ -37,71 +37,130 @@ Edges rank_edges(const float* row, size_t n, size_t bins, std::vector<float>& sc
     return e;
 }
 
-size_t occupied_of(const BinMasks& x) {
-    return size_t(std::count_if(x.count.begin(), x.count.begin() + std::ptrdiff_t(x.bins), [](std::uint32_t n) { return n > 0; }));
+// Samples lie in rows of the picture, so a shift keeps what is common to neighbours apart.
+void shift(const BinnedRows& from, size_t by, BinnedRows& to) {
+    to = from;
+    for (size_t row = 0; row < from.rows.size(); ++row)
+        for (size_t c = from.rows[row].first; c < from.end(row); ++c)
+            for (size_t i = 0; i < from.samples; ++i) {
+                const size_t j = (i + by) % from.samples;
+                const std::uint64_t bit = from.bits[j / 64 * from.pitch + c] >> (j % 64) & 1;
+                std::uint64_t& word = to.bits[i / 64 * to.pitch + c];
+                word = (word & ~(std::uint64_t(1) << (i % 64))) | bit << (i % 64);
+            }
+}
+
+Edges find_edges(const NumberRow& row, size_t n, Binning binning, size_t bins, std::vector<float>& scratch) {
+    if (!(row.low < row.high)) return {};
+    if (binning == Binning::centered) return centered_edges(bins);
+    return binning == Binning::spanned ? spanned_edges(row.low, row.high) : rank_edges(row.numbers, n, bins, scratch);
 }
 
 }  // namespace
 
-Edges find_edges(const float* row, size_t n, float low, float high, Binning binning, size_t bins, std::vector<float>& scratch) {
-    if (!(low < high)) return {};
-    if (binning == Binning::centered) return centered_edges(bins);
-    return binning == Binning::spanned ? spanned_edges(low, high) : rank_edges(row, n, bins, scratch);
+void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_t bins, BinnedRows& sorted) {
+    sorted.rows.resize(rows.size());
+    size_t columns = 0;
+    for (size_t i = 0; i < rows.size(); ++i) {
+        BinnedRows::Row& row = sorted.rows[i];
+        row.edges = find_edges(rows[i], n, binning, bins, sorted.scratch);
+        row.first = columns;
+        columns += row.bins() - 1;
+    }
+    sorted.samples = n;
+    sorted.words = (n + 63) / 64;
+    sorted.pitch = columns;
+    sorted.bits.resize(sorted.words * sorted.pitch + BinnedRows::padding);
+    for (size_t i = 0; i < rows.size(); ++i)
+        WEFT_PICK(sort_into_bins)(rows[i].numbers, n, sorted.rows[i].edges, &sorted.bits[sorted.rows[i].first], sorted.pitch, sorted.rows[i].count.data());
 }
 
-std::int64_t MutualInformation::n_log_n(size_t n) {
+void MutualInformation::grow_table(size_t n) {
     while (table_.size() <= n) {
         const auto k = double(table_.size());
         table_.push_back(k > 1 ? std::llround(k * std::log(k) * 0x1p32) : 0);
     }
-    return table_[n];
 }
 
-double MutualInformation::raw(const BinMasks& x, const BinMasks& y, size_t& occupied) {
-    std::uint32_t cells[most_bins * most_bins];
-    WEFT_PICK(count_pairs)(x, y, cells);
-    n_log_n(x.samples);
-    const std::int64_t* table = table_.data();
-    std::int64_t sum = table[x.samples];
-    occupied = 0;
-    for (size_t i = 0; i < x.bins * y.bins; ++i) {
-        sum += table[cells[i]];
-        occupied += cells[i] > 0;
+MutualInformation::Margin MutualInformation::margin_of(const BinnedRows::Row& row) const {
+    Margin margin{0, 0};
+    for (size_t b = 0; b < row.bins(); ++b) {
+        margin.n_log_n += table_[row.count[b]];
+        margin.occupied += row.count[b] > 0;
     }
-    for (size_t i = 0; i < x.bins; ++i) sum -= table[x.count[i]];
-    for (size_t j = 0; j < y.bins; ++j) sum -= table[y.count[j]];
-    return double(sum) * 0x1p-32 / double(x.samples);
+    return margin;
 }
 
-double MutualInformation::operator()(const BinMasks& x, const BinMasks& y) {
-    if (x.samples == 0) return 0;
-    const auto kx = double(occupied_of(x)), ky = double(occupied_of(y)), twice = 2 * double(x.samples);
-    if (kx < 2 || ky < 2) return 0;
-    size_t occupied = 0, ignored = 0;
-    double found = raw(x, y, occupied);
-    switch (correction_) {
-        case Correction::none: break;
-        case Correction::miller_madow: found -= (double(occupied) - kx - ky + 1) / twice; break;
-        case Correction::asymptotic: found -= (kx - 1) * (ky - 1) / twice; break;
-        case Correction::shuffle: {
-            // Samples lie in rows of the picture, so a shift by whole words keeps what is common to neighbours apart.
-            constexpr size_t shuffles = 4;
-            double chance = 0;
-            shifted_ = y;
-            for (size_t k = 1; k <= shuffles; ++k) {
-                for (size_t b = 0; b < y.bins; ++b)
-                    for (size_t i = 0; i < y.samples; ++i) {
-                        const size_t from = (i + k * y.samples / (shuffles + 1)) % y.samples;
-                        const std::uint64_t bit = y.bits[b * y.words + from / 64] >> (from % 64) & 1;
-                        std::uint64_t& word = shifted_.bits[b * y.words + i / 64];
-                        word = (word & ~(std::uint64_t(1) << (i % 64))) | bit << (i % 64);
-                    }
-                chance += raw(x, shifted_, ignored) / double(shuffles);
+void MutualInformation::count(const BinnedRows& x, Range of_x, const BinnedRows& y, Range of_y) {
+    const size_t first_x = x.rows[of_x.begin].first, first_y = y.rows[of_y.begin].first;
+    const size_t rows = x.end(of_x.end - 1) - first_x, columns = y.end(of_y.end - 1) - first_y;
+    pitch_ = (columns + BinnedRows::padding - 1) / BinnedRows::padding * BinnedRows::padding;
+    counts_.resize(rows * pitch_);
+    WEFT_PICK(count_common)(x.column(first_x), rows, y.column(first_y), columns, x.pitch, x.words, counts_.data(), pitch_);
+}
+
+// The sum over cells, less those of margins. Cells of the last bins are what the others leave.
+std::int64_t MutualInformation::raw(const BinnedRows::Row& x, const BinnedRows::Row& y, const std::uint32_t* counts, size_t samples, size_t& occupied) const {
+    const std::int64_t* table = table_.data();
+    const size_t last_x = x.bins() - 1, last_y = y.bins() - 1;
+    std::array<std::uint32_t, most_bins> left = y.count;
+    std::int64_t sum = table[samples];
+    occupied = 0;
+    for (size_t i = 0; i < last_x; ++i, counts += pitch_) {
+        std::uint32_t rest = x.count[i];
+        for (size_t j = 0; j < last_y; ++j) {
+            const std::uint32_t n = counts[j];
+            sum += table[n];
+            occupied += n > 0;
+            rest -= n;
+            left[j] -= n;
+        }
+        sum += table[rest];
+        occupied += rest > 0;
+        left[last_y] -= rest;
+    }
+    for (size_t j = 0; j <= last_y; ++j) {
+        sum += table[left[j]];
+        occupied += left[j] > 0;
+    }
+    return sum;
+}
+
+void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y, std::vector<double>& information) {
+    information.assign(x.size() * y.size(), 0.0);
+    if (information.empty() || rows.samples == 0) return;
+    grow_table(rows.samples);
+    margins_.resize(rows.rows.size());
+    for (const Range& range : {x, y})
+        for (size_t i = range.begin; i < range.end; ++i) margins_[i] = margin_of(rows.rows[i]);
+
+    const auto samples = double(rows.samples);
+    const auto add_all = [&](double part) {
+        for (size_t i = x.begin; i < x.end; ++i)
+            for (size_t j = y.begin; j < y.end; ++j) {
+                const Margin &mx = margins_[i], &my = margins_[j];
+                if (mx.occupied < 2 || my.occupied < 2) continue;
+                const std::uint32_t* counts = &counts_[(rows.rows[i].first - rows.rows[x.begin].first) * pitch_ + rows.rows[j].first - rows.rows[y.begin].first];
+                size_t occupied;
+                const std::int64_t sum = raw(rows.rows[i], rows.rows[j], counts, rows.samples, occupied) - mx.n_log_n - my.n_log_n;
+                const double found = double(sum) * 0x1p-32 / samples;
+                double bias = 0;
+                if (correction_ == Correction::miller_madow) bias = (double(occupied) - double(mx.occupied + my.occupied) + 1) / (2 * samples);
+                if (correction_ == Correction::asymptotic) bias = double(mx.occupied - 1) * double(my.occupied - 1) / (2 * samples);
+                information[(i - x.begin) * y.size() + j - y.begin] += part * (found - bias);
             }
-            found -= chance;
+    };
+    count(rows, x, rows, y);
+    add_all(1);
+    if (correction_ == Correction::shuffle) {
+        constexpr size_t shuffles = 4;
+        for (size_t k = 1; k <= shuffles; ++k) {
+            shift(rows, k * rows.samples / (shuffles + 1), shifted_);
+            count(rows, x, shifted_, y);
+            add_all(-1.0 / double(shuffles));
         }
     }
-    return std::max(found, 0.0);
+    for (double& i : information) i = std::max(i, 0.0);
 }
 
 }  // namespace weft::rpf

@@ -1,4 +1,4 @@
-// Mutual information of two rows of numbers from their joint histogram: how far one tells of the other, in nats; 0 where
+// Mutual information of rows of numbers from their joint histograms: how far one tells of the other, in nats; 0 where
 // they are independent.
 //   I = sum over cells n_xy / N ln(n_xy N / (n_x n_y))
 // Sums are of whole numbers (n ln n in steps of 2^-32), so that their order does not matter.
@@ -24,21 +24,42 @@ enum class Correction {
     shuffle,       // by what is left when one row is shifted against the other
 };
 
-// Edges of the bins of a normalised row whose numbers lie in [low, high]. A row of one value has one bin.
-Edges find_edges(const float* row, size_t n, float low, float high, Binning binning, size_t bins, std::vector<float>& scratch);
+// Numbers of mean 0 and deviation 1 in [low, high], readable to whole vectors.
+struct NumberRow {
+    const float* numbers;
+    float low, high;
+};
+
+// The bins of rows of n numbers. A row of one value has one bin.
+void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_t bins, BinnedRows& sorted);
 
 class MutualInformation {
   public:
+    struct Range {
+        size_t begin, end;  // rows
+        size_t size() const { return end - begin; }
+    };
     explicit MutualInformation(Correction correction = Correction::none) : correction_(correction) {}
-    double operator()(const BinMasks& x, const BinMasks& y);
+    // Of each row of x with each of y, those of y side by side.
+    void operator()(const BinnedRows& rows, Range x, Range y, std::vector<double>& information);
 
   private:
-    std::int64_t n_log_n(size_t n);
-    double raw(const BinMasks& x, const BinMasks& y, size_t& occupied);
+    // What the sums of a row's own bins come to.
+    struct Margin {
+        std::int64_t n_log_n;
+        size_t occupied;
+    };
+    void grow_table(size_t n);
+    Margin margin_of(const BinnedRows::Row& row) const;
+    void count(const BinnedRows& x, Range of_x, const BinnedRows& y, Range of_y);
+    std::int64_t raw(const BinnedRows::Row& x, const BinnedRows::Row& y, const std::uint32_t* counts, size_t samples, size_t& occupied) const;
 
     Correction correction_;
-    std::vector<std::int64_t> table_;
-    BinMasks shifted_;
+    std::vector<std::int64_t> table_;    // n ln n
+    std::vector<std::uint32_t> counts_;  // of columns
+    size_t pitch_ = 0;
+    std::vector<Margin> margins_;
+    BinnedRows shifted_;
 };
 
 }  // namespace weft::rpf

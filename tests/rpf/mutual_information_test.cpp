@@ -13,16 +13,21 @@ std::vector<float> padded(std::vector<float> row) {
     row.resize((row.size() + 15) / 16 * 16, 0.0f);
     return row;
 }
-BinMasks bins_of(const std::vector<float>& row, size_t n, Binning binning = Binning::centered, size_t bins = 5) {
-    std::vector<float> scratch;
-    const auto [low, high] = std::minmax_element(row.begin(), row.begin() + std::ptrdiff_t(n));
-    BinMasks masks;
-    WEFT_PICK(sort_into_bins)(row.data(), n, find_edges(row.data(), n, *low, *high, binning, bins, scratch), masks);
-    return masks;
+BinnedRows bins_of(const std::vector<std::vector<float>>& rows, size_t n, Binning binning = Binning::centered, size_t bins = 5) {
+    std::vector<NumberRow> of;
+    for (const std::vector<float>& row : rows) {
+        const auto [low, high] = std::minmax_element(row.begin(), row.begin() + std::ptrdiff_t(n));
+        of.push_back({row.data(), *low, *high});
+    }
+    BinnedRows sorted;
+    sort_rows(of, n, binning, bins, sorted);
+    return sorted;
 }
 double information(const std::vector<float>& a, const std::vector<float>& b, size_t n, Correction correction, Binning binning = Binning::centered) {
-    MutualInformation i(correction);
-    return i(bins_of(padded(a), n, binning), bins_of(padded(b), n, binning));
+    MutualInformation between(correction);
+    std::vector<double> i;
+    between(bins_of({padded(a), padded(b)}, n, binning), {0, 1}, {1, 2}, i);
+    return i.at(0);
 }
 
 // Pairs of a bivariate normal distribution of correlation rho (Box and Muller).
@@ -144,10 +149,10 @@ TEST(MutualInformation, of_independent_rows_is_nothing_to_the_shuffle) {
 TEST(Bins, of_the_range_are_one_deviation_wide_and_at_most_ten) {
     std::vector<float> row;
     for (int i = 0; i < 70; ++i) row.push_back(float(i % 7) - 3);
-    EXPECT_EQ(bins_of(padded(row), 70, Binning::spanned).bins, 7u);
+    EXPECT_EQ(bins_of({padded(row)}, 70, Binning::spanned).rows[0].bins(), 7u);
     row.push_back(200.0f);
-    const BinMasks far = bins_of(padded(row), 71, Binning::spanned);
-    EXPECT_EQ(far.bins, 10u);
+    const BinnedRows::Row far = bins_of({padded(row)}, 71, Binning::spanned).rows[0];
+    EXPECT_EQ(far.bins(), 10u);
     EXPECT_EQ(far.count[0], 70u);
     EXPECT_EQ(far.count[9], 1u);
 }
@@ -155,15 +160,27 @@ TEST(Bins, of_the_range_are_one_deviation_wide_and_at_most_ten) {
 TEST(Bins, are_counted_as_one_by_one_on_every_instruction_set) {
     for (const Isa isa : instruction_sets()) {
         const PinnedIsa pinned(isa);
-        for (const size_t n : {1u, 15u, 64u, 65u, 333u}) {
-            std::vector<float> a, b;
-            draw_normal(0.4, n, 9, a, b);
-            const BinMasks x = bins_of(padded(a), n), y = bins_of(padded(b), n);
+        for (const size_t n : {1u, 15u, 64u, 65u, 333u, 2500u}) {
+            std::vector<std::vector<float>> rows(12);
+            for (size_t k = 0; k < rows.size(); k += 2) {
+                draw_normal(0.1 * double(k), n, 9 + k, rows[k], rows[k + 1]);
+                rows[k] = padded(rows[k]);
+                rows[k + 1] = padded(rows[k + 1]);
+            }
+            const BinnedRows sorted = bins_of(rows, n);
             const auto bin = [](float v) { return std::clamp(int(std::floor(v + 2.5f)), 0, 4); };
-            std::uint32_t expected[25] = {}, cells[most_bins * most_bins] = {};
-            for (size_t i = 0; i < n; ++i) ++expected[bin(a[i]) * 5 + bin(b[i])];
-            WEFT_PICK(count_pairs)(x, y, cells);
-            for (int i = 0; i < 25 && x.bins == 5 && y.bins == 5; ++i) EXPECT_EQ(cells[i], expected[i]) << n << " " << i;
+            // Columns of the last three rows with those of all.
+            const size_t first = sorted.rows[9].first, columns = sorted.end(11), mine = columns - first, pitch = (columns + 7) / 8 * 8;
+            std::vector<std::uint32_t> counts(mine * pitch);
+            WEFT_PICK(count_common)(sorted.column(first), mine, sorted.column(0), columns, sorted.pitch, sorted.words, counts.data(), pitch);
+            for (size_t a = 9; a < 12; ++a)
+                for (size_t b = 0; b < 12; ++b) {
+                    std::uint32_t expected[25] = {};
+                    for (size_t i = 0; i < n; ++i) ++expected[bin(rows[a][i]) * 5 + bin(rows[b][i])];
+                    for (size_t i = 0; i + 1 < sorted.rows[a].bins(); ++i)
+                        for (size_t j = 0; j + 1 < sorted.rows[b].bins(); ++j)
+                            EXPECT_EQ(counts[(sorted.rows[a].first + i - first) * pitch + sorted.rows[b].first + j], expected[i * 5 + j]) << n << " " << a << " " << b;
+                }
         }
     }
 }
