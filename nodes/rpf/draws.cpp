@@ -11,6 +11,8 @@ namespace {
 
 constexpr size_t run_length = size_t(1) << 16;
 
+int side_of(const DrawSettings& by) { return 2 * (by.box / 2) + 1; }
+
 // A point of the unit square to one of a Gaussian (Box and Muller 1958).
 struct Normal {
     float x, y;
@@ -51,79 +53,112 @@ std::vector<Offset> stratified_places(const DrawSettings& by) {
     return places;
 }
 
-std::vector<Offset> random_places(const DrawSettings& by) {
-    std::vector<Offset> places;
-    places.reserve(run_length);
-    for (std::uint64_t i = 0; places.size() < run_length; ++i) {
+// The run goes on with its own beginning, as far as one block may draw.
+Places random_places(const DrawSettings& by) {
+    Places places;
+    const bool distinct = by.rule == DrawRule::distinct;
+    const int half = by.box / 2, side = side_of(by);
+    for (std::uint64_t i = 0; std::max(places.offsets.size(), places.cells.size()) < run_length; ++i) {
         const std::uint64_t bits = mix(by.seed ^ mix(i));
         const Normal at = normal(unit_float(std::uint32_t(bits)), unit_float(std::uint32_t(bits >> 32)), by.sigma);
         Offset place{};
-        const bool inside = round_into(at, by.box, by.rule == DrawRule::distinct, place);
-        if (!inside && by.rule == DrawRule::gaussian) continue;
-        if (!inside) place.dx = place.dy = INT16_MAX;
-        place.turn = std::uint32_t(mix(bits) >> 32);
-        places.push_back(place);
+        const bool inside = round_into(at, by.box, distinct, place);
+        if (distinct) places.cells.push_back(std::uint16_t(inside ? (place.dy + half) * side + place.dx + half : side * side));
+        else if (inside) {
+            place.turn = std::uint32_t(mix(bits) >> 32);
+            places.offsets.push_back(place);
+        }
     }
+    for (size_t i = 0; distinct && i < by.draws; ++i) places.cells.push_back(places.cells[i]);
     return places;
 }
 
 bool within(PixelBlock block, int x, int y) { return x >= block.x0 && x < block.x1 && y >= block.y0 && y < block.y1; }
 
-}  // namespace
+// What draws around one block.
+class Drawer {
+  public:
+    Drawer(const Samples& samples, const DrawSettings& by, PixelBlock block)
+        : samples_(samples), by_(by), block_(block), cx_((block.x0 + block.x1 - 1) / 2), cy_((block.y0 + block.y1 - 1) / 2),
+          chance_(mix(by.seed ^ mix(std::uint64_t(cy_) * std::uint64_t(samples.width) + std::uint64_t(cx_)))) {}
 
-std::vector<Offset> make_places(const DrawSettings& by) {
-    return by.rule == DrawRule::stratified ? stratified_places(by) : random_places(by);
-}
-
-void draw(const Samples& samples, const DrawSettings& by, const std::vector<Offset>& places, PixelBlock block,
-          DrawScratch& scratch, std::vector<std::uint32_t>& drawn) {
-    const int width = samples.width, height = samples.height;
-    const int cx = (block.x0 + block.x1 - 1) / 2, cy = (block.y0 + block.y1 - 1) / 2;
-    const std::uint64_t chance = mix(by.seed ^ mix(std::uint64_t(cy) * std::uint64_t(width) + std::uint64_t(cx)));
-    const auto inside = [&](int x, int y) { return x >= 0 && x < width && y >= 0 && y < height && !within(block, x, y); };
-    const auto pixel = [&](int x, int y) { return samples.of_pixel(size_t(y) * size_t(width) + size_t(x)); };
-
-    if (by.rule == DrawRule::stratified) {
-        const int sx = chance & 1 ? -1 : 1, sy = chance & 2 ? -1 : 1;
-        const bool turned = chance & 4;
+    void stratified(std::span<const Offset> places, std::vector<std::uint32_t>& drawn) const {
+        const int sx = chance_ & 1 ? -1 : 1, sy = chance_ & 2 ? -1 : 1;
+        const bool turned = chance_ & 4;
         for (const Offset& p : places) {
-            const int x = cx + sx * (turned ? p.dy : p.dx), y = cy + sy * (turned ? p.dx : p.dy);
+            const int x = cx_ + sx * (turned ? p.dy : p.dx), y = cy_ + sy * (turned ? p.dx : p.dy);
             if (!inside(x, y)) continue;
             const auto [begin, end] = pixel(x, y);
             const size_t n = end - begin;
             if (p.turn >= n) continue;
-            const size_t from = size_t((chance >> 8) + std::uint64_t(x) * 3 + std::uint64_t(y) * 5);
+            const size_t from = size_t((chance_ >> 8) + std::uint64_t(x) * 3 + std::uint64_t(y) * 5);
             drawn.push_back(std::uint32_t(begin + (from + p.turn) % n));
         }
-        return;
     }
-    size_t at = size_t(chance % run_length);
-    if (by.rule == DrawRule::gaussian) {
+
+    void gaussian(std::span<const Offset> places, std::vector<std::uint32_t>& drawn) const {
         // Near the picture's corners three of four draws fall outside: as many more are made.
-        const size_t tries = 8 * by.draws;
-        for (size_t i = 0, found = 0; i < tries && found < by.draws; ++i, at = (at + 1) % run_length) {
-            const int x = cx + places[at].dx, y = cy + places[at].dy;
+        const size_t tries = 8 * by_.draws;
+        size_t at = size_t(chance_ % run_length), found = 0;
+        drawn.resize(by_.draws);
+        for (size_t i = 0; i < tries && found < by_.draws; ++i, at = (at + 1) % run_length) {
+            const int x = cx_ + places[at].dx, y = cy_ + places[at].dy;
             if (!inside(x, y)) continue;
             const auto [begin, end] = pixel(x, y);
             if (begin == end) continue;
-            drawn.push_back(std::uint32_t(begin + std::uint64_t(places[at].turn + std::uint32_t(i) * 0x9e3779b9u) % (end - begin)));
-            ++found;
+            const std::uint64_t turn = places[at].turn + std::uint32_t(i) * 0x9e3779b9u;
+            drawn[found++] = std::uint32_t(begin + ((turn & 0xffffffffu) * (end - begin) >> 32));
         }
-        return;
+        drawn.resize(found);
     }
-    const int half = by.box / 2, side = 2 * half + 1;
-    scratch.counts.assign(size_t(side) * size_t(side), 0);
-    for (size_t i = 0; i < by.draws; ++i, at = (at + 1) % run_length) {
-        const Offset& p = places[at];
-        if (std::abs(int(p.dx)) <= half && std::abs(int(p.dy)) <= half) ++scratch.counts[size_t(p.dy + half) * size_t(side) + size_t(p.dx + half)];
+
+    // How often each pixel was drawn is how many of its samples are taken, as far as it has so many.
+    void distinct(std::span<const std::uint16_t> cells, std::vector<std::uint16_t>& counts, std::vector<std::uint32_t>& drawn) const {
+        const int half = by_.box / 2, side = side_of(by_);
+        counts.assign(size_t(side) * size_t(side) + 1, 0);
+        for (const std::uint16_t cell : cells.subspan(size_t(chance_ % run_length), by_.draws)) ++counts[cell];
+        drawn.resize(by_.draws + 2 * at_once);
+        std::uint32_t* to = drawn.data();
+        for (int y = std::max(0, cy_ - half); y <= std::min(samples_.height - 1, cy_ + half); ++y)
+            for (int x = std::max(0, cx_ - half); x <= std::min(samples_.width - 1, cx_ + half); ++x) {
+                const size_t times = counts[size_t(y - cy_ + half) * size_t(side) + size_t(x - cx_ + half)];
+                const auto [begin, end] = pixel(x, y);
+                // As many as a vector holds are written whether taken or not, which is sooner done than asked.
+                const size_t taken = within(block_, x, y) ? 0 : std::min(times, end - begin);
+                for (size_t i = 0; i < std::max(taken, at_once); i += at_once)
+                    for (size_t k = 0; k < at_once; ++k) to[i + k] = std::uint32_t(begin + i + k);
+                to += taken;
+            }
+        drawn.resize(size_t(to - drawn.data()));
     }
-    for (int dy = -half; dy <= half; ++dy)
-        for (int dx = -half; dx <= half; ++dx) {
-            const size_t times = scratch.counts[size_t(dy + half) * size_t(side) + size_t(dx + half)];
-            if (times == 0 || !inside(cx + dx, cy + dy)) continue;
-            const auto [begin, end] = pixel(cx + dx, cy + dy);
-            for (size_t i = begin; i < std::min(end, begin + times); ++i) drawn.push_back(std::uint32_t(i));
-        }
+
+  private:
+    static constexpr size_t at_once = 8;
+    bool inside(int x, int y) const { return x >= 0 && x < samples_.width && y >= 0 && y < samples_.height && !within(block_, x, y); }
+    Samples::Range pixel(int x, int y) const { return samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x)); }
+
+    const Samples& samples_;
+    const DrawSettings& by_;
+    PixelBlock block_;
+    int cx_, cy_;
+    std::uint64_t chance_;
+};
+
+}  // namespace
+
+Places make_places(const DrawSettings& by) {
+    return by.rule == DrawRule::stratified ? Places{stratified_places(by), {}} : random_places(by);
+}
+
+void draw(const Samples& samples, const DrawSettings& by, const Places& places, PixelBlock block, DrawScratch& scratch,
+          std::vector<std::uint32_t>& drawn) {
+    drawn.clear();
+    const Drawer drawer(samples, by, block);
+    switch (by.rule) {
+        case DrawRule::stratified: return drawer.stratified(places.offsets, drawn);
+        case DrawRule::gaussian: return drawer.gaussian(places.offsets, drawn);
+        case DrawRule::distinct: return drawer.distinct(places.cells, scratch.counts, drawn);
+    }
 }
 
 }  // namespace weft::rpf

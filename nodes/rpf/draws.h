@@ -30,15 +30,19 @@ struct Offset {
 };
 
 // What is drawn for all blocks: for `stratified` the set of places, sorted by rows, else a long run of places to start
-// somewhere in.
-std::vector<Offset> make_places(const DrawSettings& by);
+// somewhere in; of `distinct` only which cell of the box they lie in, row by row, the one past the last being outside.
+struct Places {
+    std::vector<Offset> offsets;
+    std::vector<std::uint16_t> cells;
+};
+Places make_places(const DrawSettings& by);
 
 struct DrawScratch {
-    std::vector<std::uint16_t> counts;
+    std::vector<std::uint16_t> counts;  // of each cell
 };
 
-// Appends the samples drawn around a block; its own are never among them.
-void draw(const Samples& samples, const DrawSettings& by, const std::vector<Offset>& places, PixelBlock block,
+// The samples drawn around a block; its own are never among them.
+void draw(const Samples& samples, const DrawSettings& by, const Places& places, PixelBlock block,
           DrawScratch& scratch, std::vector<std::uint32_t>& drawn);
 
 }  // namespace weft::rpf

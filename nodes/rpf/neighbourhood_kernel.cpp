@@ -10,17 +10,19 @@ namespace weft::rpf::WEFT_ISA {
 // One comparison of whole vectors, features first: what is not clustered has an infinite bound.
 size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates, const float* centre,
               const float* bound, std::uint32_t* accepted) {
-    size_t first = vectors.components.size();
-    for (size_t k = vectors.components.size(); k-- > 0;)
-        if (!(bound[k] > 3e38f)) first = k;
-    const size_t last = vectors.components.size();
+    size_t first = vectors.components.size(), last = 0;
+    for (size_t k = 0; k < vectors.components.size(); ++k)
+        if (!(bound[k] > 3e38f)) {
+            first = std::min(first, k);
+            last = k + 1;
+        }
     size_t found = 0;
     for (const std::uint32_t candidate : candidates) {
         const float* of = vectors.of(candidate);
         bool inside = true;
         for (size_t k = first; k < last; k += lanes) {
             const VF off = hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k)));
-            inside = inside && hn::AllTrue(f, hn::Le(off, hn::LoadU(f, bound + k)));
+            inside &= hn::AllTrue(f, hn::Le(off, hn::LoadU(f, bound + k)));
         }
         accepted[found] = candidate;
         found += inside;
@@ -52,34 +54,63 @@ void lay_out(const float* records, size_t stride, std::span<const std::uint32_t>
     for (size_t row = 0; row < stride; ++row) std::fill(rows + row * pitch + n, rows + (row + 1) * pitch, 0.0f);
 }
 
-void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale, float* low, float* high) {
+namespace {
+
+// Rows that are gone through together, as one sum alone waits for itself.
+constexpr size_t rows_at_once = 4;
+
+template <size_t rows>
+HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* scale, float* low, float* high) {
     const auto tail = [&](size_t i, VF v) HWY_ATTR { return i + lanes <= n ? v : hn::IfThenElseZero(hn::FirstN(f, n - i), v); };
-    for (size_t k = 0; k < count; ++k) {
-        float* row = rows + k * pitch;
-        // Moved by its first number, so that sums keep their digits where a row hardly varies.
-        const VF base = hn::Set(f, row[0]);
-        VF sum = hn::Zero(f), squares = hn::Zero(f), least = hn::Zero(f), most = hn::Zero(f);
-        for (size_t i = 0; i < n; i += lanes) {
-            const VF x = tail(i, hn::Sub(hn::LoadU(f, row + i), base));
-            sum = hn::Add(sum, x);
-            least = hn::Min(least, x);
-            most = hn::Max(most, x);
+    // Moved by its first number, so that sums keep their digits where a row hardly varies.
+    VF base[rows], sum[rows], least[rows], most[rows];
+    for (size_t r = 0; r < rows; ++r) {
+        base[r] = hn::Set(f, row[r][0]);
+        sum[r] = least[r] = most[r] = hn::Zero(f);
+    }
+    for (size_t i = 0; i < n; i += lanes)
+        for (size_t r = 0; r < rows; ++r) {
+            const VF x = tail(i, hn::Sub(hn::LoadU(f, row[r] + i), base[r]));
+            sum[r] = hn::Add(sum[r], x);
+            least[r] = hn::Min(least[r], x);
+            most[r] = hn::Max(most[r], x);
         }
-        const float off = sum_of(sum) / float(n), middle = row[0] + off;
-        const VF centre = hn::Set(f, middle);
-        for (size_t i = 0; i < n; i += lanes) {
-            const VF x = tail(i, hn::Sub(hn::LoadU(f, row + i), centre));
-            squares = hn::MulAdd(x, x, squares);
+    float off[rows];
+    VF centre[rows], squares[rows];
+    for (size_t r = 0; r < rows; ++r) {
+        off[r] = sum_of(sum[r]) / float(n);
+        mean[r] = row[r][0] + off[r];
+        centre[r] = hn::Set(f, mean[r]);
+        squares[r] = hn::Zero(f);
+    }
+    for (size_t i = 0; i < n; i += lanes)
+        for (size_t r = 0; r < rows; ++r) {
+            const VF x = tail(i, hn::Sub(hn::LoadU(f, row[r] + i), centre[r]));
+            squares[r] = hn::MulAdd(x, x, squares[r]);
         }
-        const float deviation = std::sqrt(sum_of(squares) / std::max(1.0f, float(n) - 1));
+    for (size_t r = 0; r < rows; ++r) {
+        const float deviation = std::sqrt(sum_of(squares[r]) / std::max(1.0f, float(n) - 1));
         // What is less than rounding is no variation.
-        const bool varies = deviation > 1e-6f * std::max(std::abs(middle), 1e-6f);
-        mean[k] = middle;
-        scale[k] = varies ? 1 / deviation : 0.0f;
-        low[k] = (hn::GetLane(hn::MinOfLanes(f, least)) - off) * scale[k];
-        high[k] = (hn::GetLane(hn::MaxOfLanes(f, most)) - off) * scale[k];
-        const VF by = hn::Set(f, scale[k]);
-        for (size_t i = 0; i < n; i += lanes) hn::StoreU(tail(i, hn::Mul(hn::Sub(hn::LoadU(f, row + i), centre), by)), f, row + i);
+        const bool varies = deviation > 1e-6f * std::max(std::abs(mean[r]), 1e-6f);
+        scale[r] = varies ? 1 / deviation : 0.0f;
+        low[r] = (hn::GetLane(hn::MinOfLanes(f, least[r])) - off[r]) * scale[r];
+        high[r] = (hn::GetLane(hn::MaxOfLanes(f, most[r])) - off[r]) * scale[r];
+        const VF by = hn::Set(f, scale[r]);
+        for (size_t i = 0; i < n; i += lanes) hn::StoreU(tail(i, hn::Mul(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]), by)), f, row[r] + i);
+    }
+}
+
+}  // namespace
+
+void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale, float* low, float* high) {
+    size_t k = 0;
+    for (; k + rows_at_once <= count; k += rows_at_once) {
+        float* const row[rows_at_once] = {rows + k * pitch, rows + (k + 1) * pitch, rows + (k + 2) * pitch, rows + (k + 3) * pitch};
+        normalise_some<rows_at_once>(row, n, mean + k, scale + k, low + k, high + k);
+    }
+    for (; k < count; ++k) {
+        float* const row[1] = {rows + k * pitch};
+        normalise_some<1>(row, n, mean + k, scale + k, low + k, high + k);
     }
 }
 

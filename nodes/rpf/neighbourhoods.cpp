@@ -46,7 +46,7 @@ struct NeighbourhoodsNode {
     }
 
     struct Scratch {
-        std::vector<Offset> places;
+        Places places;
         DrawSettings by;
         DrawScratch draw;
         std::vector<std::uint32_t> drawn, statistics;
@@ -77,7 +77,6 @@ struct NeighbourhoodsNode {
         n.parents = {};
         prepare(v, scratch);
         take_own(v, at, n);
-        scratch.drawn.clear();
         draw(v.samples, scratch.by, scratch.places, at, scratch.draw, scratch.drawn);
         if (!v.whole.empty()) std::erase_if(scratch.drawn, [&](std::uint32_t i) { return !v.is_whole(i); });
         take_neighbours(v, at, scratch, n);

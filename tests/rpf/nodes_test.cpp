@@ -185,7 +185,7 @@ TEST(ClampOutliers, keeps_a_pixels_light_where_asked_to) {
 
 TEST(Draws, stratified_places_are_distinct_and_spread_as_asked) {
     rpf::DrawSettings by{rpf::DrawRule::stratified, 31, 600, 5.0f, 8, 3};
-    const auto places = rpf::make_places(by);
+    const auto places = rpf::make_places(by).offsets;
     ASSERT_EQ(places.size(), 600u);
     std::set<std::tuple<int, int, unsigned>> seen;
     double squares = 0;
