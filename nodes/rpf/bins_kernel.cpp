@@ -12,20 +12,29 @@
 namespace weft::rpf::WEFT_ISA {
 namespace {
 
-// Bit i: row[i] >= edge, of 64 numbers or the `n` there are.
-HWY_INLINE std::uint64_t at_least(const float* row, size_t n, float edge) {
-    const VF low = hn::Set(f, edge);
-    std::uint64_t all = 0;
-    const size_t end = std::min<size_t>(64, (n + lanes - 1) / lanes * lanes);
-    for (size_t i = 0; i < end; i += lanes) {
-        std::uint8_t bytes[8] = {};
-        std::uint16_t some;
-        hn::StoreMaskBits(f, hn::Ge(hn::LoadU(f, row + i), low), bytes);
-        std::memcpy(&some, bytes, sizeof some);
-        all |= std::uint64_t(some) << i;
+// 64 numbers, and which of them are at least as large as an edge, as bits.
+class Word {
+  public:
+    HWY_INLINE explicit Word(const float* row) {
+        for (size_t i = 0; i < vectors; ++i) x_[i] = hn::LoadU(f, row + i * lanes);
     }
-    return all;
-}
+    HWY_INLINE std::uint64_t at_least(float edge) const {
+        const VF low = hn::Set(f, edge);
+        std::uint64_t all = 0;
+        for (size_t i = 0; i < vectors; ++i) {
+            std::uint8_t bytes[8] = {};
+            std::uint16_t some;
+            hn::StoreMaskBits(f, hn::Ge(x_[i], low), bytes);
+            std::memcpy(&some, bytes, sizeof some);
+            all |= std::uint64_t(some) << (i * lanes);
+        }
+        return all;
+    }
+
+  private:
+    static constexpr size_t vectors = 64 / lanes;
+    VF x_[vectors];
+};
 
 constexpr size_t together = 8;  // columns that are compared with others at once
 
@@ -77,15 +86,18 @@ const bool counts_natively = __builtin_cpu_supports("avx512vpopcntdq");
 void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns, size_t pitch, std::uint32_t* count) {
     std::fill_n(count, most_bins, 0u);
     const size_t last = edges.bins - 1;
+    float rest[64] = {};
     // What is past one edge and not past the next lies in the bin between.
     for (size_t begin = 0; begin < n; begin += 64, columns += pitch) {
-        const size_t left = n - begin;
-        const std::uint64_t all = left < 64 ? (std::uint64_t(1) << left) - 1 : ~std::uint64_t(0);
+        const bool whole = n - begin >= 64;
+        if (!whole) std::copy(row + begin, row + n, rest);
+        const Word word(whole ? row + begin : rest);
+        const std::uint64_t all = whole ? ~std::uint64_t(0) : (std::uint64_t(1) << (n - begin)) - 1;
         std::uint64_t past = all;
         for (size_t b = 0; b < last; ++b) {
-            const std::uint64_t next = at_least(row + begin, left, edges.edge[b]) & all;
+            const std::uint64_t next = word.at_least(edges.edge[b]) & all;
             columns[b] = past & ~next;
-            count[b] += std::uint32_t(__builtin_popcountll(columns[b]));
+            count[b] += std::uint32_t(__builtin_popcountll(past & ~next));
             past = next;
         }
         count[last] += std::uint32_t(__builtin_popcountll(past));

@@ -68,6 +68,7 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
             const VF r = hn::LoadU(f, &scratch.r[j]), g = hn::LoadU(f, &scratch.g[j]), b = hn::LoadU(f, &scratch.b[j]);
             for (size_t o = 0; o < together; ++o) {
                 const auto near = hn::And(there, hn::And(hn::Lt(features[o], cutoff), hn::Lt(colors[o], cutoff)));
+                if (hn::AllFalse(f, near)) continue;
                 const VF w = hn::IfThenElseZero(near, falling(hn::Add(features[o], colors[o])));
                 sum_w[o] = hn::Add(sum_w[o], w);
                 sum_ww[o] = hn::MulAdd(w, w, sum_ww[o]);

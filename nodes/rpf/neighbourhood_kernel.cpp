@@ -2,10 +2,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include <hwy/cache_control.h>
+
 #include "rpf/kernels.h"
 #include "rpf/simd.h"
 
 namespace weft::rpf::WEFT_ISA {
+
+namespace {
+
+// Records lie too far apart for the processor to see them coming.
+HWY_INLINE void fetch(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t i) {
+    constexpr size_t ahead = 16, line = 16;
+    const float* next = records + size_t(which[std::min(i + ahead, which.size() - 1)]) * stride;
+    for (size_t k = 0; k < stride; k += line) hwy::Prefetch(next + k);
+}
+
+}  // namespace
 
 // One comparison of whole vectors, features first: what is not clustered has an infinite bound.
 size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates, const float* centre,
@@ -17,7 +30,9 @@ size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candi
             last = k + 1;
         }
     size_t found = 0;
-    for (const std::uint32_t candidate : candidates) {
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        fetch(vectors.values.data(), vectors.stride, candidates, i);
+        const std::uint32_t candidate = candidates[i];
         const float* of = vectors.of(candidate);
         bool inside = true;
         for (size_t k = first; k < last; k += lanes) {
@@ -61,20 +76,26 @@ constexpr size_t rows_at_once = 4;
 
 template <size_t rows>
 HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* scale, float* low, float* high) {
-    const auto tail = [&](size_t i, VF v) HWY_ATTR { return i + lanes <= n ? v : hn::IfThenElseZero(hn::FirstN(f, n - i), v); };
+    // Vector by vector; of the last those numbers that there are.
+    const auto each = [&](auto&& step) HWY_ATTR {
+        size_t i = 0;
+        for (; i + lanes <= n; i += lanes) step(i, [](VF v) HWY_ATTR { return v; });
+        if (i < n) step(i, [&](VF v) HWY_ATTR { return hn::IfThenElseZero(hn::FirstN(f, n - i), v); });
+    };
     // Moved by its first number, so that sums keep their digits where a row hardly varies.
     VF base[rows], sum[rows], least[rows], most[rows];
     for (size_t r = 0; r < rows; ++r) {
         base[r] = hn::Set(f, row[r][0]);
         sum[r] = least[r] = most[r] = hn::Zero(f);
     }
-    for (size_t i = 0; i < n; i += lanes)
+    each([&](size_t i, auto&& present) HWY_ATTR {
         for (size_t r = 0; r < rows; ++r) {
-            const VF x = tail(i, hn::Sub(hn::LoadU(f, row[r] + i), base[r]));
+            const VF x = present(hn::Sub(hn::LoadU(f, row[r] + i), base[r]));
             sum[r] = hn::Add(sum[r], x);
             least[r] = hn::Min(least[r], x);
             most[r] = hn::Max(most[r], x);
         }
+    });
     float off[rows];
     VF centre[rows], squares[rows];
     for (size_t r = 0; r < rows; ++r) {
@@ -83,11 +104,12 @@ HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* 
         centre[r] = hn::Set(f, mean[r]);
         squares[r] = hn::Zero(f);
     }
-    for (size_t i = 0; i < n; i += lanes)
+    each([&](size_t i, auto&& present) HWY_ATTR {
         for (size_t r = 0; r < rows; ++r) {
-            const VF x = tail(i, hn::Sub(hn::LoadU(f, row[r] + i), centre[r]));
+            const VF x = present(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]));
             squares[r] = hn::MulAdd(x, x, squares[r]);
         }
+    });
     for (size_t r = 0; r < rows; ++r) {
         const float deviation = std::sqrt(sum_of(squares[r]) / std::max(1.0f, float(n) - 1));
         // What is less than rounding is no variation.
@@ -96,7 +118,7 @@ HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* 
         low[r] = (hn::GetLane(hn::MinOfLanes(f, least[r])) - off[r]) * scale[r];
         high[r] = (hn::GetLane(hn::MaxOfLanes(f, most[r])) - off[r]) * scale[r];
         const VF by = hn::Set(f, scale[r]);
-        for (size_t i = 0; i < n; i += lanes) hn::StoreU(tail(i, hn::Mul(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]), by)), f, row[r] + i);
+        each([&](size_t i, auto&& present) HWY_ATTR { hn::StoreU(present(hn::Mul(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]), by)), f, row[r] + i); });
     }
 }
 
