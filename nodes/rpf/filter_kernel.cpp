@@ -46,7 +46,10 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
         for (size_t j = 0; j < pitch; j += lanes) hn::StoreU(hn::Mul(hn::LoadU(f, from + j), root), f, to + j);
         (k >= around.color_row(0) ? scratch.colors : scratch.features).push_back(std::uint32_t(used++));
     }
-    for (std::vector<float>* plane : {&scratch.r, &scratch.g, &scratch.b}) plane->assign(pitch, 0.0f);
+    for (std::vector<float>* plane : {&scratch.r, &scratch.g, &scratch.b}) {
+        plane->resize(pitch);
+        std::fill(plane->begin() + std::ptrdiff_t(n), plane->end(), 0.0f);
+    }
     for (size_t j = 0; j < n; ++j) {
         const float* c = rgb + 3 * size_t(around.sample[j]);
         scratch.r[j] = c[0];

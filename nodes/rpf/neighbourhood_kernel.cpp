@@ -45,23 +45,45 @@ size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candi
     return found;
 }
 
-// Four records by four numbers at a time: what lies side by side in a record comes to lie side by side in a row.
+namespace {
+
+// Four numbers each of four records, or of eight, those of the later four in the upper half.
+#if HWY_TARGET == HWY_SSE4
+using Records = hn::FixedTag<float, 4>;
+#else
+using Records = hn::FixedTag<float, 8>;
+#endif
+constexpr Records part{};
+constexpr size_t records_at_once = hn::MaxLanes(Records());
+
+HWY_INLINE hn::Vec<Records> numbers(const float* const* of, size_t i, size_t k) {
+#if HWY_TARGET == HWY_SSE4
+    return hn::LoadU(part, of[i] + k);
+#else
+    const hn::Half<Records> half;
+    return hn::Combine(part, hn::LoadU(half, of[i + 4] + k), hn::LoadU(half, of[i] + k));
+#endif
+}
+
+}  // namespace
+
+// Blocks of records by four numbers at a time: what lies side by side in a record comes to lie side by side in a row.
 void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t pitch, float* rows) {
-    const hn::FixedTag<float, 4> four;
-    const hn::Repartition<double, decltype(four)> pairs;
+    const hn::Repartition<double, Records> pairs;
     const auto of = [&](size_t i) { return records + size_t(which[i]) * stride; };
-    const size_t n = which.size(), whole = n / 4 * 4;
-    for (size_t i = 0; i < whole; i += 4) {
-        const float *a = of(i), *b = of(i + 1), *c = of(i + 2), *d = of(i + 3);
+    const size_t n = which.size(), whole = n / records_at_once * records_at_once;
+    for (size_t i = 0; i < whole; i += records_at_once) {
+        const float* block[records_at_once];
+        for (size_t j = 0; j < records_at_once; ++j) block[j] = of(i + j);
         float* to = rows + i;
         for (size_t k = 0; k < stride; k += 4, to += 4 * pitch) {
-            const auto va = hn::LoadU(four, a + k), vb = hn::LoadU(four, b + k), vc = hn::LoadU(four, c + k), vd = hn::LoadU(four, d + k);
-            const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(four, va, vb)), ab1 = hn::BitCast(pairs, hn::InterleaveUpper(four, va, vb));
-            const auto cd0 = hn::BitCast(pairs, hn::InterleaveLower(four, vc, vd)), cd1 = hn::BitCast(pairs, hn::InterleaveUpper(four, vc, vd));
-            hn::StoreU(hn::BitCast(four, hn::InterleaveLower(pairs, ab0, cd0)), four, to);
-            hn::StoreU(hn::BitCast(four, hn::InterleaveUpper(pairs, ab0, cd0)), four, to + pitch);
-            hn::StoreU(hn::BitCast(four, hn::InterleaveLower(pairs, ab1, cd1)), four, to + 2 * pitch);
-            hn::StoreU(hn::BitCast(four, hn::InterleaveUpper(pairs, ab1, cd1)), four, to + 3 * pitch);
+            const auto a = numbers(block, 0, k), b = numbers(block, 1, k), c = numbers(block, 2, k), d = numbers(block, 3, k);
+            const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(part, a, b)), ab1 = hn::BitCast(pairs, hn::InterleaveUpper(part, a, b));
+            const auto cd0 = hn::BitCast(pairs, hn::InterleaveLower(part, c, d)), cd1 = hn::BitCast(pairs, hn::InterleaveUpper(part, c, d));
+            hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab0, cd0)), part, to);
+            hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab0, cd0)), part, to + pitch);
+            hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab1, cd1)), part, to + 2 * pitch);
+            hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab1, cd1)), part, to + 3 * pitch);
         }
     }
     for (size_t i = whole; i < n; ++i)

@@ -97,9 +97,9 @@ struct NeighbourhoodsNode {
     static void lay_out_colors(const SampleVectors& v, Neighbourhoods& n) {
         const float* rgb = v.samples.rgb().data();
         float* to = &n.values[n.color_row(0) * n.pitch];
-        std::fill(to, to + 3 * n.pitch, 0.0f);
         for (size_t i = 0; i < n.samples(); ++i)
             for (size_t c = 0; c < 3; ++c) to[c * n.pitch + i] = rgb[3 * size_t(n.sample[i]) + c];
+        for (size_t c = 0; c < 3; ++c) std::fill(to + c * n.pitch + n.samples(), to + (c + 1) * n.pitch, 0.0f);
     }
 
     void prepare(const SampleVectors& v, Scratch& scratch) const {
