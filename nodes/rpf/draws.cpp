@@ -53,23 +53,18 @@ std::vector<Offset> stratified_places(const DrawSettings& by) {
     return places;
 }
 
-// The run goes on with its own beginning, as far as one block may draw.
+// The middle is the block's own, which is not drawn again.
 Places random_places(const DrawSettings& by) {
     Places places;
     const bool distinct = by.rule == DrawRule::distinct;
     const int half = by.box / 2, side = side_of(by);
-    for (std::uint64_t i = 0; std::max(places.offsets.size(), places.cells.size()) < run_length; ++i) {
+    for (std::uint64_t i = 0; places.cells.size() < run_length && i < 256 * run_length; ++i) {
         const std::uint64_t bits = mix(by.seed ^ mix(i));
         const Normal at = normal(unit_float(std::uint32_t(bits)), unit_float(std::uint32_t(bits >> 32)), by.sigma);
         Offset place{};
-        const bool inside = round_into(at, by.box, distinct, place);
-        if (distinct) places.cells.push_back(std::uint16_t(inside ? (place.dy + half) * side + place.dx + half : side * side));
-        else if (inside) {
-            place.turn = std::uint32_t(mix(bits) >> 32);
-            places.offsets.push_back(place);
-        }
+        const bool found = round_into(at, by.box, distinct, place) && (place.dx != 0 || place.dy != 0);
+        if (found || distinct) places.cells.push_back(std::uint16_t(found ? (place.dy + half) * side + place.dx + half : side * side));
     }
-    for (size_t i = 0; distinct && i < by.draws; ++i) places.cells.push_back(places.cells[i]);
     return places;
 }
 
@@ -96,44 +91,73 @@ class Drawer {
         }
     }
 
-    void gaussian(std::span<const Offset> places, std::vector<std::uint32_t>& drawn) const {
+    // Each draw takes any sample of its pixel.
+    void gaussian(std::span<const std::uint16_t> cells, DrawScratch& scratch, std::vector<std::uint32_t>& drawn) const {
+        find_inside(scratch);
         // Near the picture's corners three of four draws fall outside: as many more are made.
-        const size_t tries = 8 * by_.draws;
-        size_t at = size_t(chance_ % run_length), found = 0;
+        count(cells, 8 * by_.draws, scratch);
         drawn.resize(by_.draws);
-        for (size_t i = 0; i < tries && found < by_.draws; ++i, at = (at + 1) % run_length) {
-            const int x = cx_ + places[at].dx, y = cy_ + places[at].dy;
-            if (!inside(x, y)) continue;
-            const auto [begin, end] = pixel(x, y);
-            if (begin == end) continue;
-            const std::uint64_t turn = places[at].turn + std::uint32_t(i) * 0x9e3779b9u;
-            drawn[found++] = std::uint32_t(begin + ((turn & 0xffffffffu) * (end - begin) >> 32));
-        }
-        drawn.resize(found);
+        std::uint32_t* to = drawn.data();
+        std::uint64_t state = chance_;
+        each_cell([&](size_t cell, Samples::Range of) {
+            const std::uint32_t* const last = to + scratch.counts[cell] * scratch.inside[cell];
+            for (; to < last; ++to) {
+                state = state * 6364136223846793005u + 1442695040888963407u;  // Knuth's linear congruence, upper half
+                *to = std::uint32_t(of.begin + ((state >> 32) * (of.end - of.begin) >> 32));
+            }
+        });
+        drawn.resize(size_t(to - drawn.data()));
     }
 
     // How often each pixel was drawn is how many of its samples are taken, as far as it has so many.
-    void distinct(std::span<const std::uint16_t> cells, std::vector<std::uint16_t>& counts, std::vector<std::uint32_t>& drawn) const {
-        const int half = by_.box / 2, side = side_of(by_);
-        counts.assign(size_t(side) * size_t(side) + 1, 0);
-        for (const std::uint16_t cell : cells.subspan(size_t(chance_ % run_length), by_.draws)) ++counts[cell];
+    void distinct(std::span<const std::uint16_t> cells, DrawScratch& scratch, std::vector<std::uint32_t>& drawn) const {
+        const auto all = size_t(side_of(by_)) * size_t(side_of(by_));
+        scratch.inside.assign(all + 1, 1);
+        count(cells, by_.draws, scratch);
         drawn.resize(by_.draws + 2 * at_once);
         std::uint32_t* to = drawn.data();
-        for (int y = std::max(0, cy_ - half); y <= std::min(samples_.height - 1, cy_ + half); ++y)
-            for (int x = std::max(0, cx_ - half); x <= std::min(samples_.width - 1, cx_ + half); ++x) {
-                const size_t times = counts[size_t(y - cy_ + half) * size_t(side) + size_t(x - cx_ + half)];
-                const auto [begin, end] = pixel(x, y);
-                // As many as a vector holds are written whether taken or not, which is sooner done than asked.
-                const size_t taken = within(block_, x, y) ? 0 : std::min(times, end - begin);
-                for (size_t i = 0; i < std::max(taken, at_once); i += at_once)
-                    for (size_t k = 0; k < at_once; ++k) to[i + k] = std::uint32_t(begin + i + k);
-                to += taken;
-            }
+        each_cell([&](size_t cell, Samples::Range of) {
+            // As many as a vector holds are written whether taken or not, which is sooner done than asked.
+            const size_t taken = std::min<size_t>(scratch.counts[cell], of.end - of.begin);
+            for (size_t i = 0; i < std::max(taken, at_once); i += at_once)
+                for (size_t k = 0; k < at_once; ++k) to[i + k] = std::uint32_t(of.begin + i + k);
+            to += taken;
+        });
         drawn.resize(size_t(to - drawn.data()));
     }
 
   private:
     static constexpr size_t at_once = 8;
+
+    // Draws until there are enough that are inside.
+    void count(std::span<const std::uint16_t> cells, size_t tries, DrawScratch& scratch) const {
+        scratch.counts.assign(scratch.inside.size(), 0);
+        if (cells.empty()) return;
+        size_t at = size_t(chance_ % cells.size()), found = 0;
+        while (tries > 0 && found < by_.draws) {
+            // No more than are wanted, so that none is too many.
+            const size_t some = std::min({tries, by_.draws - found, cells.size() - at});
+            for (const std::uint16_t cell : cells.subspan(at, some)) {
+                ++scratch.counts[cell];
+                found += scratch.inside[cell];
+            }
+            tries -= some;
+            at = (at + some) % cells.size();
+        }
+    }
+    void find_inside(DrawScratch& scratch) const {
+        const auto all = size_t(side_of(by_)) * size_t(side_of(by_));
+        scratch.inside.assign(all + 1, 0);
+        each_cell([&](size_t cell, Samples::Range of) { scratch.inside[cell] = of.begin < of.end; });
+    }
+    // Those within the picture and outside the block, row by row.
+    template <class Do>
+    void each_cell(Do&& what) const {
+        const int half = by_.box / 2, side = side_of(by_);
+        for (int y = std::max(0, cy_ - half); y <= std::min(samples_.height - 1, cy_ + half); ++y)
+            for (int x = std::max(0, cx_ - half); x <= std::min(samples_.width - 1, cx_ + half); ++x)
+                if (!within(block_, x, y)) what(size_t(y - cy_ + half) * size_t(side) + size_t(x - cx_ + half), pixel(x, y));
+    }
     bool inside(int x, int y) const { return x >= 0 && x < samples_.width && y >= 0 && y < samples_.height && !within(block_, x, y); }
     Samples::Range pixel(int x, int y) const { return samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x)); }
 
@@ -156,8 +180,8 @@ void draw(const Samples& samples, const DrawSettings& by, const Places& places, 
     const Drawer drawer(samples, by, block);
     switch (by.rule) {
         case DrawRule::stratified: return drawer.stratified(places.offsets, drawn);
-        case DrawRule::gaussian: return drawer.gaussian(places.offsets, drawn);
-        case DrawRule::distinct: return drawer.distinct(places.cells, scratch.counts, drawn);
+        case DrawRule::gaussian: return drawer.gaussian(places.cells, scratch, drawn);
+        case DrawRule::distinct: return drawer.distinct(places.cells, scratch, drawn);
     }
 }
 

@@ -10,7 +10,7 @@ namespace weft::rpf {
 
 enum class DrawRule {
     stratified,  // one well-spread set of places for all blocks, mirrored by chance: no sample twice
-    gaussian,    // independent; each time any sample of the pixel, so repeats happen; drawn again outside the box
+    gaussian,    // independent; each time any sample of the pixel, so repeats happen; drawn again outside box and picture
     distinct,    // independent, lost outside the box; no sample twice, but always the same first ones of a pixel
 };
 
@@ -29,8 +29,8 @@ struct Offset {
     std::uint32_t turn;
 };
 
-// What is drawn for all blocks: for `stratified` the set of places, sorted by rows, else a long run of places to start
-// somewhere in; of `distinct` only which cell of the box they lie in, row by row, the one past the last being outside.
+// What is drawn for all blocks: for `stratified` the set of places, sorted by rows, else a long run of draws to start
+// somewhere in: which cells of the box they fall into, counted row by row, the one past the last being outside.
 struct Places {
     std::vector<Offset> offsets;
     std::vector<std::uint16_t> cells;
@@ -38,7 +38,8 @@ struct Places {
 Places make_places(const DrawSettings& by);
 
 struct DrawScratch {
-    std::vector<std::uint16_t> counts;  // of each cell
+    std::vector<std::uint16_t> counts;  // of each cell: how often it was drawn
+    std::vector<std::uint8_t> inside;   // of each cell: 1 where there may be samples
 };
 
 // The samples drawn around a block; its own are never among them.

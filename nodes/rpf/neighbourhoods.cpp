@@ -174,7 +174,7 @@ struct NeighbourhoodsNode {
     }
 };
 
-WEFT_NODE(NeighbourhoodsNode, "neighbourhoods", 1)
+WEFT_NODE(NeighbourhoodsNode, "neighbourhoods", 2)
 
 }  // namespace
 }  // namespace weft
