@@ -45,6 +45,8 @@ struct BilateralFilterPixels {
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const Neighbourhoods& n = in.get<Neighbourhoods>("neighbourhoods");
         const SampleVectors& v = *n.vectors;
+        if (v.pixels.planes.values.empty())
+            throw Error("'bilateral-filter-pixels' needs what pixels' samples say together; set 'pixels' of 'build-vectors' to true");
         const Samples& colors = in.get_or<Samples>("colors", v.samples);
         SampleColors& to = out.get<SampleColors>("colors");
         to.take_own(n, colors);

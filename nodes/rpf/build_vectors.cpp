@@ -13,13 +13,15 @@ namespace {
 
 struct BuildVectors {
     std::vector<std::string> random, features;
+    bool pixels = true;
 
     static void declare(Ports<BuildVectors>& node) {
         node.about("position, random parameters and features of each sample, side by side: what random parameter filtering goes by")
             .in<Samples>("samples", "xy, rgb, and what has the role random or feature; read-samples gives all with channels [\"*\"]")
             .out<SampleVectors>("vectors", "a vector a sample")
             .param("random", &BuildVectors::random, {.about = "random parameters, as uv, t, light_uv; empty: all channels of role 'random'"})
-            .param("features", &BuildVectors::features, {.about = "features, as normal, albedo; empty: all channels of role 'feature'"});
+            .param("features", &BuildVectors::features, {.about = "features, as normal, albedo; empty: all channels of role 'feature'"})
+            .param("pixels", &BuildVectors::pixels, {.about = "find what the samples of each pixel say together, too: bilateral-filter-pixels goes by that"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
@@ -44,7 +46,7 @@ struct BuildVectors {
         for (const Channel* c : chosen(samples, features, Role::feature)) add(*c, Role::feature);
         v.stride = (v.components.size() + 3) / 4 * 4;
         fill(channels, v, ctx);
-        rpf::find_pixel_statistics(v, ctx);
+        if (pixels) rpf::find_pixel_statistics(v, ctx);
         out.set("vectors", std::move(v));
     }
 

@@ -1,4 +1,6 @@
 // Random parameter filtering as graphs run it: what is noise goes, what is signal stays, whatever the samples are.
+#include <gtest/gtest-spi.h>
+
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -237,6 +239,17 @@ TEST(BuildVectors, leaves_out_what_never_changes_and_counts_what_is_not_finite) 
     ASSERT_EQ(node.ctx.warnings.size(), 1u);
     EXPECT_NE(node.ctx.warnings[0].find("1 of 60 samples"), std::string::npos) << node.ctx.warnings[0];
     EXPECT_NE(error_of([&] { RunNode("build-vectors").set("features", Json::list({Json("colour")})).in("samples", samples).run(); }).find("colour"), std::string::npos);
+}
+
+TEST(BilateralFilterPixels, says_what_it_misses) {
+    static const TestFolder folder;
+    static const std::string text = filter_text(saved(folder, feature_samples(6, 5, 2, grey, grey)),
+        R"("vectors": {"type": "build-vectors", "in": {"samples": "samples"}, "set": {"pixels": false}},
+        "around": {"type": "neighbourhoods", "in": {"vectors": "vectors"}},
+        "weights": {"type": "constant-weights", "in": {"neighbourhoods": "around"}},
+        "filter": {"type": "bilateral-filter-pixels", "in": {"neighbourhoods": "around", "weights": "weights"}},
+        "filtered": {"type": "collect-samples", "in": {"colors": "filter", "samples": "samples"}})");
+    EXPECT_NONFATAL_FAILURE(GraphRun{text}, "set 'pixels' of 'build-vectors' to true");
 }
 
 TEST(RecentreSamples, puts_samples_where_the_lens_centre_sees_them_and_back) {
