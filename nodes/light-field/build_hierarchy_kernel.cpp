@@ -252,6 +252,8 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.shutter = shutter_of(samples.meta);
     h.moving = samples.has_motion();
     h.color_space = samples.color_space;
+    if (const Channel* uv = samples.find("uv"); uv && samples.has_lens()) h.uv = uv->values;
+    if (const Channel* t = samples.find("t"); t && samples.has_motion()) h.t = t->values;
 
     const Places places = places_of(samples);
     const KeyGrid grid = key_grid(h, arrangement);

@@ -13,6 +13,7 @@
 
 #include "runtime/large_array.h"
 #include "samples/lens_shape.h"
+#include "samples/samples.h"
 
 namespace weft {
 
@@ -39,6 +40,7 @@ class Hierarchy {
     LargeArray<float> VX, VY, VW;     // empty where nothing moves
     LargeArray<float> rgba;           // 4 a sample: radiance, alpha
     LargeArray<std::uint32_t> order;  // index in the buffer
+    Array<float> uv, t;               // the buffer's own, in its order: where and when each was seen
 
     // What a group's samples keep to: at (u, v, t), with d = t - 1/2 and s = slope,
     //   x in [x_low, x_high] + slope aspect u + velocity_x d,   y in [y_low, y_high] + slope v +

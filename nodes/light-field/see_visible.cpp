@@ -16,7 +16,7 @@ using namespace light_field;
 enum class Pass { first, final };  // of coverage
 
 struct SeeVisible {
-    float search = 1, reach = 2, tent = 1, exponent = 2, box = 0, tolerance = 0;
+    float search = 1, reach = 2, tent = 1, exponent = 2, box = 0, tolerance = 0, view_test = 0;
     Pass pass = Pass::first;
 
     static void declare(Fusing<SeeVisible>& fusing) {
@@ -45,12 +45,13 @@ struct SeeVisible {
             .param("same-surface-cluster.tolerance", &SeeVisible::tolerance)
             .param("coverage.pass", &SeeVisible::pass)
             .param("filter-visible.radius-scale", &SeeVisible::tent)
-            .param("filter-visible.exponent", &SeeVisible::exponent);
+            .param("filter-visible.exponent", &SeeVisible::exponent)
+            .param("filter-visible.view-test", &SeeVisible::view_test);
     }
 
     // The kernel has these powers only, and takes for granted that the tent ends within the search.
     bool suits() const {
-        return (exponent == 1 || exponent == 2 || exponent == 4) && tent <= search;
+        return (exponent == 1 || exponent == 2 || exponent == 4) && tent <= search && view_test == 0;
     }
 
     struct Scratch {
