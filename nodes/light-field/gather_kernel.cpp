@@ -5,6 +5,7 @@
 #include "light-field/grid_reach.h"
 #include "light-field/group_test.h"
 #include "light-field/kernels.h"
+#include "light-field/projected_entries.h"
 
 namespace weft::light_field::WEFT_ISA {
 namespace {
@@ -48,8 +49,6 @@ void gather_all(const Projection& p, const Locations& at, float radius, Candidat
     constexpr size_t usual = Projection::padding;
     const size_t n = at.size(), pitch = size_t(p.columns) + 1;
     const VF limit = hn::Set(f, radius * radius);
-    const float *px = p.x.data(), *py = p.y.data();
-    const std::uint32_t *samples = p.sample.data(), *traits = p.traits.data();
     constexpr size_t at_once = 64;
     std::uint32_t cells[3][at_once];
     const Reach reach{cells[0], cells[1], cells[2]};
@@ -68,14 +67,16 @@ void gather_all(const Projection& p, const Locations& at, float radius, Candidat
             Spread spread;
             const size_t before = k;
             const auto look = [&](size_t i) HWY_ATTR {
-                const VF dx = hn::Sub(hn::LoadU(f, px + i), at_x), dy = hn::Sub(hn::LoadU(f, py + i), at_y);
+                const EntryVectors entries(&p.entries[i]);
+                const VF dx = hn::Sub(in_order(entries.x()), at_x),
+                         dy = hn::Sub(in_order(entries.y()), at_y);
                 const auto in = hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit);
                 const Pack pack(in);
                 pack.store(dx, end.dx + k);
                 pack.store(dy, end.dy + k);
-                pack.store(hn::LoadU(un, samples + i), end.sample + k);
+                pack.store(in_order(entries.sample()), end.sample + k);
                 k += pack.count;
-                if constexpr (each) spread.add(hn::LoadU(un, traits + i), in);
+                if constexpr (each) spread.add(in_order(entries.traits()), in);
             };
             for (size_t r = 0; r < rows; ++r, row += pitch) {
                 size_t i = row[0];

@@ -26,7 +26,7 @@ size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, 
 struct Quantity {
     VF low, scale;
     Quantity(float from, float step) : low(hn::Set(f, from)), scale(hn::Set(f, 1.0f / step)) {}
-    VF operator()(VF value) const { return hn::Mul(hn::Sub(value, low), scale); }
+    HWY_INLINE VF operator()(VF value) const { return hn::Mul(hn::Sub(value, low), scale); }
 };
 
 struct Projector {
@@ -35,29 +35,52 @@ struct Projector {
     Projection& out;
     const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f), most = hn::Set(f, 255.0f);
     const VF c0, c1, time, lens_x, lens_y, own_x, own_y, per_width, per_height;
-    const VI column0, row0, columns, rows, pitch;
+    const VF column0, row0, columns, rows;
+    const VU pitch;
     const Quantity slope_byte, vx_byte, vy_byte;
     const VU standing;  // velocity bytes of what does not move
     Spread spread;
     size_t n = 0;
 
-    Projector(const Hierarchy& hierarchy, Block& b, float u, float v, float d, Projection& projection)
-        : h(hierarchy), block(b), out(projection), c0(hn::Set(f, h.lens.c0)), c1(hn::Set(f, h.lens.c1)), time(hn::Set(f, d)),
-          lens_x(hn::Set(f, u * h.lens.aspect)), lens_y(hn::Set(f, v)), own_x(hn::Set(f, h.lens.c1 * u * h.lens.aspect)),
-          own_y(hn::Set(f, h.lens.c1 * v)), per_width(hn::Set(f, 1.0f / out.cell_width)),
-          per_height(hn::Set(f, 1.0f / out.cell_height)), column0(hn::Set(sn, out.column0)), row0(hn::Set(sn, out.row0)),
-          columns(hn::Set(sn, out.columns)), rows(hn::Set(sn, out.rows)), pitch(hn::Set(sn, out.columns + 1)),
-          slope_byte(b.slope_low, b.slope_step), vx_byte(b.velocity_x_low, b.velocity_step),
+    Projector(const Hierarchy& hierarchy, Block& b, float u, float v, float d,
+              Projection& projection)
+        : h(hierarchy),
+          block(b),
+          out(projection),
+          c0(hn::Set(f, h.lens.c0)),
+          c1(hn::Set(f, h.lens.c1)),
+          time(hn::Set(f, d)),
+          lens_x(hn::Set(f, u * h.lens.aspect)),
+          lens_y(hn::Set(f, v)),
+          own_x(hn::Set(f, h.lens.c1 * u * h.lens.aspect)),
+          own_y(hn::Set(f, h.lens.c1 * v)),
+          per_width(hn::Set(f, 1.0f / out.cell_width)),
+          per_height(hn::Set(f, 1.0f / out.cell_height)),
+          column0(hn::Set(f, float(out.column0))),
+          row0(hn::Set(f, float(out.row0))),
+          columns(hn::Set(f, float(out.columns))),
+          rows(hn::Set(f, float(out.rows))),
+          pitch(hn::Set(un, std::uint32_t(out.columns + 1))),
+          slope_byte(b.slope_low, b.slope_step),
+          vx_byte(b.velocity_x_low, b.velocity_step),
           vy_byte(b.velocity_y_low, b.velocity_step),
-          standing(hn::Or(velocity_bytes(vx_byte(zero), vy_byte(zero)), hn::Or(unfit(vx_byte(zero)), unfit(vy_byte(zero))))) {}
+          standing(velocity_traits(vx_byte(zero), vy_byte(zero))) {}
 
-    HWY_INLINE VU byte(VF value) const { return hn::BitCast(un, hn::ConvertTo(sn, hn::Min(hn::Max(value, zero), most))); }
-    HWY_INLINE VU velocity_bytes(VF x, VF y) const { return hn::Or(hn::ShiftLeft<8>(byte(x)), hn::ShiftLeft<16>(byte(y))); }
-    // The fourth byte, where a quantity does not fit into its own.
-    HWY_INLINE VU unfit(VF value) const {
-        const auto fits = hn::And(hn::Ge(value, zero), hn::Le(value, most));
-        return hn::IfThenElseZero(hn::RebindMask(un, hn::Not(fits)), hn::Set(un, 0xff000000u));
+    // Whole numbers below 2^23, in the low bits. (A conversion takes care of what does not fit.)
+    HWY_INLINE static VU low_bits(VF value) {
+        return hn::BitCast(un, hn::Add(value, hn::Set(f, 0x1p+23f)));
     }
+    HWY_INLINE static VU whole(VF value) { return hn::And(low_bits(value), hn::Set(un, 0x7fffff)); }
+    // The byte of a quantity, in place; with the fourth where it does not fit into its own.
+    template <int shift>
+    HWY_INLINE VU trait(VF value) const {
+        const VF fit = hn::Min(hn::Max(value, zero), most);
+        const VU byte = shift == 0 ? hn::And(low_bits(fit), hn::Set(un, 255))
+                                   : hn::ShiftLeft<shift>(low_bits(fit));
+        return hn::Or(byte, hn::IfThenZeroElse(hn::RebindMask(un, hn::Eq(value, fit)),
+                                               hn::Set(un, 0xff000000u)));
+    }
+    HWY_INLINE VU velocity_traits(VF x, VF y) const { return hn::Or(trait<8>(x), trait<16>(y)); }
 
     template <bool moving>
     HWY_INLINE void group(size_t begin) {
@@ -76,27 +99,26 @@ struct Projector {
             const VF slope = hn::MulAdd(c0, inverse, c1);
             const VF x = hn::MulAdd(slope, lens_x, hn::Mul(X, inverse));
             const VF y = hn::MulAdd(slope, lens_y, hn::Mul(Y, inverse));
-            const VI column = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(x, per_width))), column0);
-            const VI row = hn::Sub(hn::ConvertTo(sn, hn::Floor(hn::Mul(y, per_height))), row0);
-            // As unsigned numbers those below 0 are too large as well.
-            const auto in_x = hn::Lt(hn::BitCast(un, column), hn::BitCast(un, columns));
-            const auto in_y = hn::Lt(hn::BitCast(un, row), hn::BitCast(un, rows));
-            const auto in = hn::And(hn::RebindMask(f, hn::And(in_x, in_y)), hn::Gt(W, zero));
-            const VI cell = hn::Add(hn::Mul(row, pitch), column);
-            const VF of_slope = slope_byte(slope);
-            VU traits = hn::Or(byte(of_slope), unfit(of_slope));
-            if constexpr (moving) {
-                const VF vx = vx_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(x, own_x), VX)));
-                const VF vy = vy_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(y, own_y), VY)));
-                traits = hn::Or(traits, hn::Or(velocity_bytes(vx, vy), hn::Or(unfit(vx), unfit(vy))));
-            } else {
+            const VF column = hn::Sub(hn::Floor(hn::Mul(x, per_width)), column0),
+                     row = hn::Sub(hn::Floor(hn::Mul(y, per_height)), row0);
+            const auto in_x = hn::And(hn::Ge(column, zero), hn::Lt(column, columns)),
+                       in_y = hn::And(hn::Ge(row, zero), hn::Lt(row, rows));
+            const auto in = hn::And(hn::And(in_x, in_y), hn::Gt(W, zero));
+            const VU cell = hn::Add(hn::Mul(whole(row), pitch), whole(column));
+            VU traits = trait<0>(slope_byte(slope));
+            if constexpr (moving)
+                traits = hn::Or(
+                    traits,
+                    velocity_traits(
+                        vx_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(x, own_x), VX))),
+                        vy_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(y, own_y), VY)))));
+            else
                 traits = hn::Or(traits, standing);
-            }
             spread.add(traits, in);
             const Pack pack(in);
             pack.store(x, &block.x[n]);
             pack.store(y, &block.y[n]);
-            pack.store(hn::BitCast(un, cell), &block.cell[n]);
+            pack.store(cell, &block.cell[n]);
             pack.store(traits, &block.traits[n]);
             pack.store(numbers_from(std::uint32_t(i)), &block.sample[n]);
             n += pack.count;
@@ -115,24 +137,40 @@ void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, fl
     out.spread = to.n == 0 ? 0 : to.spread.between();
 }
 
-// Where the entries of an array go to.
-struct Entries {
-    float *x, *y, *rgba;
-    std::uint32_t *sample, *traits;
-};
-
+// Writes n samples to where their cells start.
 template <bool colored>
-void put_entries(const Hierarchy& h, const Block& block, size_t n, const std::uint32_t* start, Entries to) {
-    const hn::FixedTag<float, 4> q;
-    const float *x = block.x.data(), *y = block.y.data(), *rgba = h.rgba.data();
-    const std::uint32_t *cell = block.cell.data(), *rank = block.rank.data(), *sample = block.sample.data(), *traits = block.traits.data();
-    for (size_t i = 0; i < n; ++i) {
-        const size_t at = start[cell[i]] + rank[i], from = sample[i];
-        to.x[at] = x[i];
-        to.y[at] = y[i];
-        to.sample[at] = sample[i];
-        to.traits[at] = traits[i];
-        if constexpr (colored) hn::StoreU(hn::LoadU(q, rgba + 4 * from), q, to.rgba + 4 * at);
+void put_entries(const Hierarchy& h, const Block& block, size_t n, Projection& out) {
+    using Quad = hn::FixedTag<float, 4>;
+    using Two = hn::Repartition<std::uint64_t, Quad>;
+    const Quad q;
+    const Two two;
+    const float *x = block.x.data(), *y = block.y.data(), *from = h.rgba.data();
+    const std::uint32_t *cell = block.cell.data(), *rank = block.rank.data(),
+                        *sample = block.sample.data(), *traits = block.traits.data(),
+                        *start = out.start.data();
+    float *to = &out.entries[0].x, *rgba = out.rgba.data();
+    for (size_t i = 0; i < n; i += 4) {
+        // Four values of each of four samples, transposed.
+        const auto quad = [i, q](const auto* values) HWY_ATTR {
+            return hn::LoadU(q, reinterpret_cast<const float*>(values + i));
+        };
+        const auto pair = [two](auto v) HWY_ATTR { return hn::BitCast(two, v); };
+        const auto places = quad(x), heights = quad(y), samples = quad(sample),
+                   bytes = quad(traits);
+        const auto low = pair(hn::InterleaveLower(q, places, heights)),
+                   high = pair(hn::InterleaveUpper(q, places, heights));
+        const auto low_rest = pair(hn::InterleaveLower(q, samples, bytes)),
+                   high_rest = pair(hn::InterleaveUpper(q, samples, bytes));
+        const auto put = [&](size_t k, auto entry) HWY_ATTR {
+            const size_t at = 4 * size_t(start[cell[i + k]] + rank[i + k]);
+            hn::StoreU(hn::BitCast(q, entry), q, to + at);
+            if constexpr (colored)
+                hn::StoreU(hn::LoadU(q, from + 4 * size_t(sample[i + k])), q, rgba + at);
+        };
+        put(0, hn::InterleaveLower(two, low, low_rest));
+        put(1, hn::InterleaveUpper(two, low, low_rest));
+        put(2, hn::InterleaveLower(two, high, high_rest));
+        put(3, hn::InterleaveUpper(two, high, high_rest));
     }
 }
 
@@ -153,20 +191,22 @@ void sort_into_cells(const Hierarchy& h, Block& block, Projection& out) {
         of[pitch - 1] = sum;
         sum += Projection::padding;
     }
-    out.start[cells] = sum;
+    count[cells] = sum;
     const size_t need = sum + lanes;
-    if (out.x.size() < need) {
-        for (auto* values : {&out.x, &out.y}) values->resize(need + need / 4);
-        for (auto* values : {&out.sample, &out.traits}) values->resize(need + need / 4);
-    }
+    if (out.entries.size() < need) out.entries.resize(need + need / 4);
     if (out.colored && out.rgba.size() < 4 * need) out.rgba.resize(5 * need);
-    const Entries to{out.x.data(), out.y.data(), out.rgba.data(), out.sample.data(), out.traits.data()};
-    if (out.colored) put_entries<true>(h, block, n, count, to);
-    else put_entries<false>(h, block, n, count, to);
-    for (size_t row = 0; row < size_t(out.rows); ++row) {
-        float* end = to.x + count[row * pitch + pitch - 1];
-        std::fill(end, end + Projection::padding, 1e30f);
+    // Samples are put by fours: the last go with some that land past the end.
+    for (size_t i = n; i < n + 3; ++i) {
+        block.cell[i] = std::uint32_t(cells);
+        block.rank[i] = block.sample[i] = 0;
     }
+    if (out.colored)
+        put_entries<true>(h, block, n, out);
+    else
+        put_entries<false>(h, block, n, out);
+    for (size_t row = 0; row < size_t(out.rows); ++row)
+        std::fill_n(&out.entries[count[row * pitch + pitch - 1]], Projection::padding,
+                    Projection::Entry{1e30f, 1e30f, 0, 0});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "light-field/grid_reach.h"
 #include "light-field/kernels.h"
 #include "light-field/layers.h"
+#include "light-field/projected_entries.h"
 #include "light-field/simd.h"
 #include "light-field/surrounded.h"
 #include "light-field/weighted_mean.h"
@@ -91,9 +92,9 @@ class Seeing {
     void look_at_each() {
         constexpr size_t usual = Projection::padding;
         const size_t n = at_.size(), pitch = size_t(p_.columns) + 1;
-        const float *px = p_.x.data(), *py = p_.y.data(), *rgba = p_.rgba.data();
-        const float *at_x = at_.x.data(), *at_y = at_.y.data();
-        const std::uint32_t *start = p_.start.data(), *traits = p_.traits.data();
+        const Projection::Entry* entries = p_.entries.data();
+        const float *rgba = p_.rgba.data(), *at_x = at_.x.data(), *at_y = at_.y.data();
+        const std::uint32_t* start = p_.start.data();
         const Likeness likeness(slopes_, velocities_, h_.moving);
         c_.open.resize(n);
         c_.colored.resize(n);
@@ -113,13 +114,13 @@ class Seeing {
             // The model is one of those about the middle, which as a rule is like all others. (If
             // its traits do not fit, the fourth byte, it is like none.)
             if constexpr (each)
-                top = likeness.top(traits[row[rows / 2 * pitch + across / 2]] & 0xffffff);
+                top = likeness.top(entries[row[rows / 2 * pitch + across / 2]].traits & 0xffffff);
             Sums sums;
             const auto add = [&](size_t i) HWY_ATTR {
-                const VF d2 =
-                    squared(hn::Sub(x, hn::LoadU(f, px + i)), hn::Sub(y, hn::LoadU(f, py + i)));
+                const EntryVectors entry(entries + i);
+                const VF d2 = squared(hn::Sub(x, entry.x()), hn::Sub(y, entry.y()));
                 if constexpr (each)
-                    below = likeness.add(below, top, hn::LoadU(un, traits + i), hn::Lt(d2, limit));
+                    below = likeness.add(below, top, entry.traits(), hn::Lt(d2, limit));
                 sums.add(tent(d2), rgba + 4 * i);
             };
             // Most rows hold no more than is usual: what is beyond is left for the end.
@@ -167,14 +168,15 @@ class Seeing {
         n_ = 0;
         for (const std::uint32_t* row = first; row <= last; row += pitch)
             for (size_t i = row[0]; i < row[across]; i += lanes) {
-                const VF dx = hn::Sub(hn::LoadU(f, &p_.x[i]), at_x),
-                         dy = hn::Sub(hn::LoadU(f, &p_.y[i]), at_y);
+                const EntryVectors entries(&p_.entries[i]);
+                const VF dx = hn::Sub(in_order(entries.x()), at_x),
+                         dy = hn::Sub(in_order(entries.y()), at_y);
                 const auto in = hn::Lt(squared(dx, dy), limit_);
                 const Pack pack(in);
                 pack.store(dx, &c_.found_x[n_]);
                 pack.store(dy, &c_.found_y[n_]);
-                pack.store(hn::LoadU(un, &p_.sample[i]), &c_.found[n_]);
-                spread.add(hn::LoadU(un, &p_.traits[i]), in);
+                pack.store(in_order(entries.sample()), &c_.found[n_]);
+                spread.add(in_order(entries.traits()), in);
                 n_ += pack.count;
             }
         return n_ ? spread.between() : 0;

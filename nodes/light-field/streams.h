@@ -37,6 +37,11 @@ struct Locations : Batch {
 struct Projection : Batch {
     static constexpr bool per_batch = true;
     static constexpr size_t padding = 16;
+    struct Entry {
+        float x, y;            // px, at (u, v, t)
+        std::uint32_t sample;  // index in the hierarchy
+        std::uint32_t traits;  // slope, velocity x, velocity y: a byte each
+    };
 
     const Hierarchy* hierarchy = nullptr;
     float u = 0, v = 0, t = 0.5f;
@@ -44,9 +49,7 @@ struct Projection : Batch {
     float cell_width = 1, cell_height = 1;
     int column0 = 0, row0 = 0, columns = 0, rows = 0;  // cells: x / cell_width in [column0, column0 + columns)
     std::vector<std::uint32_t> start;                  // rows x (columns + 1): first entry of a cell
-    std::vector<float> x, y;                           // px, at (u, v, t)
-    std::vector<std::uint32_t> sample;                 // index in the hierarchy
-    std::vector<std::uint32_t> traits;                 // slope, velocity x, velocity y: a byte each
+    std::vector<Entry> entries;
     float slope_step = 0, velocity_step = 0;           // of the bytes; see Candidates::spread
     std::uint32_t spread = 0;                          // of all samples: 0xffffffff: not known
     size_t samples = 0;                                // projected

@@ -11,30 +11,16 @@ namespace weft::light_field::WEFT_ISA {
 using Q = hn::FixedTag<float, 4>;
 inline constexpr Q q{};
 
-// Of the colours of `lanes` samples, 4 values each, vector j holds those of samples j lanes / 4 and
-// on.
-struct Spreading {
-    alignas(64) std::int32_t lane[4][lanes];
-    constexpr Spreading() : lane{} {
-        for (size_t j = 0; j < 4; ++j)
-            for (size_t l = 0; l < lanes; ++l) lane[j][l] = std::int32_t((j * lanes + l) / 4);
-    }
-};
-inline constexpr Spreading spreading;
-
-// Weighted sums of colours that lie side by side.
+// Weighted sums of colours that lie side by side, weights in the order of EntryVectors.
 struct Sums {
     VF weight = hn::Zero(f), even = hn::Zero(f), odd = hn::Zero(f);
 
     HWY_INLINE void add(VF w, const float* rgba) {
         weight = hn::Add(weight, w);
-        const auto part = [&](size_t j) HWY_ATTR {
-            return hn::TableLookupLanes(w, hn::SetTableIndices(f, spreading.lane[j]));
-        };
-        even = hn::MulAdd(part(0), hn::LoadU(f, rgba), even);
-        odd = hn::MulAdd(part(1), hn::LoadU(f, rgba + lanes), odd);
-        even = hn::MulAdd(part(2), hn::LoadU(f, rgba + 2 * lanes), even);
-        odd = hn::MulAdd(part(3), hn::LoadU(f, rgba + 3 * lanes), odd);
+        even = hn::MulAdd(hn::Broadcast<0>(w), hn::LoadU(f, rgba), even);
+        odd = hn::MulAdd(hn::Broadcast<1>(w), hn::LoadU(f, rgba + lanes), odd);
+        even = hn::MulAdd(hn::Broadcast<2>(w), hn::LoadU(f, rgba + 2 * lanes), even);
+        odd = hn::MulAdd(hn::Broadcast<3>(w), hn::LoadU(f, rgba + 3 * lanes), odd);
     }
     // Writes the mean; returns the sum of weights. `opaque`: all alphas are 1, so that theirs is
     // it.
