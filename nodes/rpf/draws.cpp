@@ -111,16 +111,22 @@ class Drawer {
 
     // How often each pixel was drawn is how many of its samples are taken, as far as it has so many.
     void distinct(std::span<const std::uint16_t> cells, DrawScratch& scratch, std::vector<std::uint32_t>& drawn) const {
-        const auto all = size_t(side_of(by_)) * size_t(side_of(by_));
-        scratch.inside.assign(all + 1, 1);
-        count(cells, by_.draws, scratch);
+        scratch.counts.assign(size_t(side_of(by_)) * size_t(side_of(by_)) + 1, 0);
+        const size_t at = size_t(chance_ % cells.size());
+        for (size_t left = by_.draws, begin = at; left > 0; begin = 0) {
+            const size_t some = std::min(left, cells.size() - begin);
+            for (const std::uint16_t cell : cells.subspan(begin, some)) ++scratch.counts[cell];
+            left -= some;
+        }
         drawn.resize(by_.draws + 2 * at_once);
         std::uint32_t* to = drawn.data();
         each_cell([&](size_t cell, Samples::Range of) {
             // As many as a vector holds are written whether taken or not, which is sooner done than asked.
             const size_t taken = std::min<size_t>(scratch.counts[cell], of.end - of.begin);
-            for (size_t i = 0; i < std::max(taken, at_once); i += at_once)
-                for (size_t k = 0; k < at_once; ++k) to[i + k] = std::uint32_t(of.begin + i + k);
+            for (size_t i = 0; i < std::max(taken, at_once); i += at_once) {
+                const auto begin = std::uint32_t(of.begin + i);
+                for (std::uint32_t k = 0; k < at_once; ++k) to[i + k] = begin + k;
+            }
             to += taken;
         });
         drawn.resize(size_t(to - drawn.data()));

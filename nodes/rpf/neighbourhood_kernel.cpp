@@ -30,17 +30,26 @@ size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candi
             last = k + 1;
         }
     size_t found = 0;
-    for (size_t i = 0; i < candidates.size(); ++i) {
-        fetch(vectors.values.data(), vectors.stride, candidates, i);
-        const std::uint32_t candidate = candidates[i];
-        const float* of = vectors.of(candidate);
-        bool inside = true;
-        for (size_t k = first; k < last; k += lanes) {
-            const VF off = hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k)));
-            inside &= hn::AllTrue(f, hn::Le(off, hn::LoadU(f, bound + k)));
+    const auto take = [&](auto&& inside) HWY_ATTR {
+        for (size_t i = 0; i < candidates.size(); ++i) {
+            fetch(vectors.values.data(), vectors.stride, candidates, i);
+            accepted[found] = candidates[i];
+            found += inside(vectors.of(candidates[i]));
         }
-        accepted[found] = candidate;
-        found += inside;
+    };
+    const auto within = [&](const float* of, size_t k) HWY_ATTR {
+        return hn::Le(hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k))), hn::LoadU(f, bound + k));
+    };
+    if (last <= first + lanes) {
+        take([&](const float* of) HWY_ATTR { return hn::AllTrue(f, within(of, first)); });
+    } else if (last <= first + 2 * lanes) {
+        take([&](const float* of) HWY_ATTR { return hn::AllTrue(f, hn::And(within(of, first), within(of, first + lanes))); });
+    } else {
+        take([&](const float* of) HWY_ATTR {
+            bool inside = true;
+            for (size_t k = first; k < last; k += lanes) inside &= hn::AllTrue(f, within(of, k));
+            return inside;
+        });
     }
     return found;
 }

@@ -1,5 +1,6 @@
-// clamp-radiance: samples whose colours are no brighter than a bound, each channel for itself: what filters that cannot
-// stand fireflies begin with. It takes light away; clamp-outliers, which asks a pixel's other samples, can keep it.
+// clamp-radiance: samples whose colours are no brighter than a bound, each channel for itself: what
+// filters that cannot stand fireflies begin with. It takes light away; clamp-outliers, which asks a
+// pixel's other samples, can keep it.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +18,10 @@ struct ClampRadiance {
             .in<Samples>("samples", "rgb")
             .out<Samples>("samples", "all channels as they were, but rgb")
             .param("most", &ClampRadiance::most,
-                   {.unit = "radiance", .min = 0, .max = 1e9, .about = "of red, green and blue, each for itself"});
+                   {.unit = "radiance",
+                    .min = 0,
+                    .max = 1e9,
+                    .about = "of red, green and blue, each for itself"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
@@ -30,7 +34,8 @@ struct ClampRadiance {
         samples.require("clamp-radiance", {"rgb"});
         std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
         for (float& v : rgb)
-            if (std::isfinite(v)) v = std::min(v, most);  // what is not stays, for those who count it
+            if (std::isfinite(v))
+                v = std::min(v, most);  // what is not stays, for those who count it
         samples.add("rgb", 3, std::move(rgb));
         out.set("samples", std::move(samples));
     }
