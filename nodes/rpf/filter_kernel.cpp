@@ -11,7 +11,7 @@ namespace {
 // e^-x for any x >= 0; what is past 80 is as good as nothing.
 HWY_INLINE VF falling(VF x) { return exp_of_minus(hn::Min(x, hn::Set(f, 80.0f))); }
 
-constexpr size_t together = 4;  // own samples
+constexpr size_t together = lanes == 16 ? 8 : 4;  // own samples, as many as there are registers for
 
 // Distances of `together` own samples to those from j on, over some rows.
 HWY_INLINE void distances(const float* rows, size_t pitch, std::span<const std::uint32_t> which,
