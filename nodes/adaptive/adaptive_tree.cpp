@@ -1,0 +1,224 @@
+#include "adaptive/adaptive_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "samples/random.h"
+
+namespace weft::adaptive {
+namespace {
+
+constexpr size_t least_round = 256;  // leaves
+constexpr size_t most_in_small = 8;  // samples of a leaf that is too small to be cut
+
+// Of a place in the tree: which candidate, which axis.
+float number(std::uint64_t seed, std::uint64_t key, size_t samples, int candidate, size_t axis) {
+    return unit_float(mix(mix(seed ^ mix(key)) ^
+                          (std::uint64_t(samples) << 40 | std::uint64_t(candidate) << 8 | axis)));
+}
+
+// Cells along each axis: of about equal sides, `wanted` in all; at least one for 4 px of picture
+// and two along the others.
+std::vector<size_t> initial_cells(std::span<const float> extent, size_t wanted) {
+    double volume = 1;
+    for (const float e : extent) volume *= double(e);
+    const double side =
+        std::pow(volume / double(std::max<size_t>(wanted, 1)), 1.0 / double(extent.size()));
+    std::vector<size_t> cells;
+    for (size_t d = 0; d < extent.size(); ++d) {
+        const size_t least = d < 2 ? size_t(std::ceil(double(extent[d]) / 4)) : 2;
+        cells.push_back(std::max(least, size_t(std::llround(double(extent[d]) / side))));
+    }
+    return cells;
+}
+
+}  // namespace
+
+double leaf_error(std::span<const float> rgb, double volume, Contrast contrast) {
+    const size_t n = rgb.size() / 3;
+    if (n == 0) return 0;
+    double sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+        double mean = 0;
+        for (size_t i = 0; i < n; ++i) mean += double(rgb[3 * i + c]) / double(n);
+        double off = 0;
+        // Fireflies draw no more than sixteen times what is around them.
+        const double most = mean > 0 ? 16 * mean : 1e300;
+        for (size_t i = 0; i < n; ++i)
+            off += std::abs(std::min(double(rgb[3 * i + c]), most) - mean) / double(n);
+        const double level = std::max(mean, 0.0) + 1e-3;
+        sum += contrast == Contrast::absolute
+                   ? off
+                   : off / (contrast == Contrast::sqrt ? std::sqrt(level) : level);
+    }
+    return volume * (sum + 1e-5);
+}
+
+// Rows and columns of cells are shifted from one slab (of the axes behind x and y) to the next: what a cell leaves
+// unresolved at its sides then averages out over the slabs, where sides in line would add up.
+Tree::Tree(const TreeSettings& settings, size_t initial_samples) : settings_(settings) {
+    const size_t axes = dimensions();
+    requested_.resize(axes);
+    at_.resize(axes);
+    const std::vector<size_t> cells = initial_cells(settings_.extent, initial_samples / settings_.capacity);
+    size_t slabs = 1;
+    for (size_t d = 2; d < axes; ++d) slabs *= cells[d];
+    const auto along = [&](size_t d, size_t slab) {
+        std::vector<float> sides{0};
+        const float side = settings_.extent[d] / float(cells[d]);
+        const float shift = slabs > 1 ? unit_float(mix(mix(settings_.seed ^ d) ^ slab)) : 0;
+        for (size_t k = 1; k < cells[d] + 1; ++k) {
+            const float at = (float(k) - shift) * side;
+            if (at > 0.25f * side && settings_.extent[d] - at > 0.25f * side) sides.push_back(at);
+        }
+        sides.push_back(settings_.extent[d]);
+        return sides;
+    };
+    for (size_t slab = 0; slab < slabs; ++slab) {
+        const std::vector<float> x = along(0, slab), y = along(1, slab);
+        for (size_t j = 0; j + 1 < y.size(); ++j)
+            for (size_t i = 0; i + 1 < x.size(); ++i) {
+                Leaf leaf{};
+                leaf.key = mix(leaves_.size());
+                leaf.lo[0] = x[i], leaf.hi[0] = x[i + 1];
+                leaf.lo[1] = y[j], leaf.hi[1] = y[j + 1];
+                size_t rest = slab;
+                for (size_t d = 2; d < axes; ++d) {
+                    const size_t k = rest % cells[d];
+                    rest /= cells[d];
+                    leaf.lo[d] = settings_.extent[d] * float(k) / float(cells[d]);
+                    leaf.hi[d] = settings_.extent[d] * float(k + 1) / float(cells[d]);
+                }
+                leaves_.push_back(std::move(leaf));
+            }
+    }
+}
+
+double Tree::volume(const Leaf& leaf) const {
+    double v = 1;
+    for (size_t d = 0; d < dimensions(); ++d) v *= double(leaf.hi[d]) - double(leaf.lo[d]);
+    return v;
+}
+
+double Tree::largest_error() const {
+    double most = 0;
+    for (const Leaf& leaf : leaves_) most = std::max(most, leaf.error);
+    return most;
+}
+double Tree::total_error() const {
+    double sum = 0;
+    for (const Leaf& leaf : leaves_) sum += leaf.error;
+    return sum;
+}
+
+size_t Tree::request(size_t most) {
+    chosen_.clear();
+    for (auto& axis : requested_) axis.clear();
+    const auto place = [&](std::uint32_t l, const std::array<float, most_axes>& p) {
+        chosen_.push_back(l);
+        for (size_t d = 0; d < dimensions(); ++d)
+            requested_[d].push_back(below_one(p[d] / settings_.extent[d]));
+    };
+    const auto candidate = [&](const Leaf& leaf, size_t samples, int which) {
+        std::array<float, most_axes> p{};
+        for (size_t d = 0; d < dimensions(); ++d)
+            p[d] = leaf.lo[d] +
+                   (leaf.hi[d] - leaf.lo[d]) * number(settings_.seed, leaf.key, samples, which, d);
+        return p;
+    };
+    if (samples() == 0) {
+        for (std::uint32_t l = 0; l < leaves_.size(); ++l)
+            for (size_t k = 0; k < settings_.capacity; ++k) place(l, candidate(leaves_[l], k, 0));
+        return chosen_.size();
+    }
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t l = 0; l < leaves_.size(); ++l)
+        if (!leaves_[l].rests) order.push_back(l);
+    const size_t round =
+        std::min({order.size(), most,
+                  std::max(least_round, size_t(double(leaves_.size()) * settings_.round))});
+    const auto larger = [&](std::uint32_t a, std::uint32_t b) {
+        return leaves_[a].error != leaves_[b].error ? leaves_[a].error > leaves_[b].error : a < b;
+    };
+    std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(round), order.end(), larger);
+    order.resize(round);
+    std::sort(order.begin(), order.end());
+    for (const std::uint32_t l : order) {
+        const Leaf& leaf = leaves_[l];
+        std::array<float, most_axes> best{};
+        float farthest = -1;
+        for (int k = 0; k < settings_.candidates; ++k) {
+            const auto p = candidate(leaf, leaf.samples.size(), k);
+            float nearest = 3e38f;
+            for (const std::uint32_t s : leaf.samples) {
+                float d2 = 0;
+                for (size_t d = 0; d < dimensions(); ++d)
+                    d2 += (at_[d][s] - p[d]) * (at_[d][s] - p[d]);
+                nearest = std::min(nearest, d2);
+            }
+            if (nearest > farthest) farthest = nearest, best = p;
+        }
+        place(l, best);
+    }
+    return round;
+}
+
+void Tree::insert(std::span<const float> rgb) {
+    const auto first = std::uint32_t(samples());
+    for (size_t d = 0; d < dimensions(); ++d)
+        for (const float x : requested_[d]) at_[d].push_back(x * settings_.extent[d]);
+    rgb_.insert(rgb_.end(), rgb.begin(), rgb.end());
+    for (size_t i = 0; i < chosen_.size(); ++i) add_to(chosen_[i], first + std::uint32_t(i));
+}
+
+void Tree::add_to(size_t l, std::uint32_t sample) {
+    leaves_[l].samples.push_back(sample);
+    if (leaves_[l].samples.size() <= settings_.capacity || !cut(l)) measure(leaves_[l]);
+    leaves_[l].rests = leaves_[l].samples.size() >= std::max(most_in_small, settings_.capacity + 1);
+}
+
+// Across the longest side, between the samples on both sides of the middle; the first half of them
+// keeps the leaf's index. Sides of less than 1/64 px of the picture, or 1/4096 of another axis, are
+// not cut, nor are equal numbers.
+bool Tree::cut(size_t l) {
+    std::vector<size_t> axes(dimensions());
+    std::iota(axes.begin(), axes.end(), size_t(0));
+    const auto side = [&](size_t d) { return leaves_[l].hi[d] - leaves_[l].lo[d]; };
+    std::sort(axes.begin(), axes.end(),
+              [&](size_t a, size_t b) { return side(a) != side(b) ? side(a) > side(b) : a > b; });
+    for (const size_t d : axes) {
+        const float least = d < 2 ? 1.0f / 64 : settings_.extent[d] / 4096;
+        if (side(d) < 2 * least) continue;
+        std::vector<std::uint32_t> sorted = leaves_[l].samples;
+        std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return at_[d][a] != at_[d][b] ? at_[d][a] < at_[d][b] : a < b;
+        });
+        const size_t left = sorted.size() / 2;
+        const float below = at_[d][sorted[left - 1]], above = at_[d][sorted[left]];
+        const float plane = 0.5f * (below + above);
+        if (!(plane > below) || plane - leaves_[l].lo[d] < least ||
+            leaves_[l].hi[d] - plane < least)
+            continue;
+        Leaf other = leaves_[l];
+        leaves_[l].hi[d] = other.lo[d] = plane;
+        leaves_[l].samples.assign(sorted.begin(), sorted.begin() + std::ptrdiff_t(left));
+        other.samples.assign(sorted.begin() + std::ptrdiff_t(left), sorted.end());
+        other.key = mix(leaves_[l].key ^ 2);
+        leaves_[l].key = mix(leaves_[l].key ^ 1);
+        measure(other);
+        measure(leaves_[l]);
+        leaves_.push_back(std::move(other));
+        return true;
+    }
+    return false;
+}
+
+void Tree::measure(Leaf& leaf) {
+    std::vector<float> rgb;
+    for (const std::uint32_t s : leaf.samples)
+        rgb.insert(rgb.end(), &rgb_[3 * size_t(s)], &rgb_[3 * size_t(s)] + 3);
+    leaf.error = leaf_error(rgb, volume(leaf), settings_.contrast);
+}
+
+}  // namespace weft::adaptive

@@ -1,0 +1,75 @@
+// Adaptive sampling in many dimensions: a box of the domain where samples differ gets more of them,
+// and is cut in two when it has enough. Source: Hachisuka et al. 2008; whole rounds of leaves at
+// once after Meister and Hachisuka 2022. Departure: a round takes the leaves of largest error, not
+// each by chance; random numbers are a function of a leaf's place in the tree, so that no thread or
+// batch changes a bit.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace weft::adaptive {
+
+inline constexpr size_t most_axes = 8;
+
+enum class Contrast { relative, absolute, sqrt };
+
+struct TreeSettings {
+    std::vector<float> extent;  // px of each axis; x and y first
+    size_t capacity = 4;        // samples in a leaf; one more and it is cut
+    int candidates = 4;         // places tried for a new sample
+    double round = 1.0 / 16;    // of the leaves get a sample in a round
+    Contrast contrast = Contrast::relative;
+    std::uint64_t seed = 1;
+};
+
+// V (sum over channels of mean |f - m| / (m + 0.001), + 1e-5) of n samples of three channels, by
+// contrast.
+double leaf_error(std::span<const float> rgb, double volume, Contrast contrast);
+
+class Tree {
+  public:
+    Tree(const TreeSettings& settings, size_t initial_samples);
+
+    size_t leaves() const { return leaves_.size(); }
+    size_t samples() const { return rgb_.size() / 3; }
+    size_t dimensions() const { return settings_.extent.size(); }
+    double largest_error() const;
+    double total_error() const;
+
+    // Places of the next round's samples, at most `most`: places(axis) in [0, 1]. The first round
+    // is `capacity` places in each initial cell, whatever `most` is.
+    size_t request(size_t most);
+    std::span<const float> places(size_t axis) const { return requested_[axis]; }
+    // Radiance at these, three numbers each.
+    void insert(std::span<const float> rgb);
+
+    // What was sampled so far, in the order of requests.
+    std::span<const float> at(size_t axis) const { return at_[axis]; }  // px
+    std::span<const float> rgb() const { return rgb_; }
+
+    struct Leaf {
+        std::array<float, most_axes> lo, hi;  // px
+        std::uint64_t key = 0;                // of its path from its initial cell
+        double error = 0;
+        std::vector<std::uint32_t> samples;
+        bool rests = false;  // too small to be cut, and full
+    };
+    const Leaf& leaf(size_t i) const { return leaves_[i]; }
+    double volume(const Leaf& leaf) const;
+
+  private:
+    void add_to(size_t leaf, std::uint32_t sample);
+    bool cut(size_t leaf);
+    void measure(Leaf& leaf);
+
+    TreeSettings settings_;
+    std::vector<Leaf> leaves_;
+    std::vector<std::uint32_t> chosen_;          // leaves of the requested places
+    std::vector<std::vector<float>> requested_;  // [0, 1]
+    std::vector<std::vector<float>> at_;         // px
+    std::vector<float> rgb_;
+};
+
+}  // namespace weft::adaptive

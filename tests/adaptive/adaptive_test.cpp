@@ -1,0 +1,235 @@
+// Adaptive sampling against functions whose pictures and trees are known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "adaptive/adaptive_tree.h"
+#include "adaptive/leaf_tree.h"
+#include "adaptive/sampler_function.h"
+#include "image/image.h"
+#include "samples/samples.h"
+#include "tests/run_node.h"
+
+namespace weft {
+namespace {
+using namespace adaptive;
+
+SamplerFunction sampler_of(const std::string& function, int width = 48, int height = 48) {
+    return RunNode("test-sampler").set("function", Json(function)).set("width", Json(double(width))).set("height", Json(double(height))).out<SamplerFunction>("sampler");
+}
+
+struct Adaptive {
+    Samples samples;
+    LeafTree leaves;
+    Image picture;
+    std::vector<std::string> warnings;
+};
+Adaptive adaptive(const SamplerFunction& sampler, double budget, int seed = 1, double initial = 1) {
+    Adaptive made;
+    RunNode node("adaptive-samples");
+    node.in("sampler", sampler).set("budget", Json(budget)).set("initial", Json(initial)).set("seed", Json(double(seed)));
+    node.run({Slot{"samples", &type_info<Samples>(), &made.samples, {}}, Slot{"leaves", &type_info<LeafTree>(), &made.leaves, {}}});
+    made.warnings = node.ctx.warnings;
+    made.picture = RunNode("leaf-integrate").in("samples", made.samples).in("leaves", made.leaves).out<Image>("image");
+    return made;
+}
+
+// The disc scene by 8 x 8 x 32 strata a pixel.
+Image disc_reference(const SamplerFunction& sampler) {
+    Image image(sampler.width, sampler.height, 3);
+    constexpr int side = 8, times = 32;
+    for (int py = 0; py < sampler.height; ++py)
+        for (int px = 0; px < sampler.width; ++px) {
+            std::vector<float> x, y, t;
+            for (int k = 0; k < times; ++k)
+                for (int j = 0; j < side; ++j)
+                    for (int i = 0; i < side; ++i) {
+                        x.push_back((float(px) + (float(i) + 0.5f) / side) / float(sampler.width));
+                        y.push_back((float(py) + (float(j) + 0.5f) / side) / float(sampler.height));
+                        t.push_back((float(k) + 0.5f) / times);
+                    }
+            std::vector<float> rgb(3 * x.size());
+            const std::vector<std::span<const float>> axes{x, y, t};
+            sampler.evaluate({axes}, 0, rgb);
+            double sum = 0;
+            for (size_t i = 0; i < x.size(); ++i) sum += double(rgb[3 * i]);
+            for (int c = 0; c < 3; ++c) image.at(px, py)[c] = float(sum / double(x.size()));
+        }
+    return image;
+}
+
+double rmse(const Image& a, const Image& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.pixels().size(); ++i) sum += std::pow(double(a.pixels()[i]) - double(b.pixels()[i]), 2);
+    return std::sqrt(sum / double(a.pixels().size()));
+}
+
+Image box_of(const Samples& samples) { return RunNode("pixel-filter").in("samples", samples).out<Image>("image"); }
+
+TEST(AdaptiveTree, ErrorOfABoxIsItsVolumeTimesItsContrast) {
+    const std::vector<float> grey{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
+    EXPECT_NEAR(leaf_error(grey, 2, Contrast::relative), 5.9880440, 1e-6);
+    EXPECT_NEAR(leaf_error(grey, 2, Contrast::absolute), 2 * (1.5 + 1e-5), 1e-9);
+}
+
+// Five samples of the first box, at 0.1 0.2 0.4 0.7 0.9 of its longest side, are cut at 0.3 into two and three.
+TEST(AdaptiveTree, ABoxIsCutBetweenItsSecondAndThirdSampleAcrossItsLongestSide) {
+    TreeSettings settings{.extent = {4, 4, 64}};
+    Tree tree(settings, 4);
+    const size_t before = tree.leaves();
+    ASSERT_EQ(tree.request(0), 4 * before);
+    // The first box alone is worth another sample.
+    std::vector<float> values(12 * before, 0.5f);
+    values[0] = 0;
+    tree.insert(values);
+    ASSERT_EQ(tree.request(1), 1u);
+    tree.insert(std::vector<float>(3, 0.5f));
+    ASSERT_EQ(tree.leaves(), before + 1);
+    const Tree::Leaf &kept = tree.leaf(0), &added = tree.leaf(before);
+    EXPECT_EQ(kept.samples.size(), 2u);
+    EXPECT_EQ(added.samples.size(), 3u);
+    EXPECT_EQ(kept.hi[2], added.lo[2]);
+    std::vector<float> along;
+    for (const auto* leaf : {&kept, &added})
+        for (const std::uint32_t s : leaf->samples) along.push_back(tree.at(2)[s]);
+    std::sort(along.begin(), along.end());
+    EXPECT_FLOAT_EQ(kept.hi[2], 0.5f * (along[1] + along[2]));
+}
+
+class OfFunction : public testing::TestWithParam<const char*> {};
+
+TEST_P(OfFunction, BoxesPartTheDomainAndItsSamples) {
+    const Adaptive made = adaptive(sampler_of(GetParam(), 24, 20), 6);
+    const size_t axes = made.leaves.dimensions();
+    double volume = 0, all = 1;
+    for (const float e : made.leaves.extent) all *= double(e);
+    std::set<std::uint32_t> seen;
+    for (size_t l = 0; l < made.leaves.size(); ++l) {
+        volume += made.leaves.volume(l);
+        for (std::uint32_t k = made.leaves.first[l]; k < made.leaves.first[l + 1]; ++k) {
+            const std::uint32_t s = made.leaves.samples[k];
+            EXPECT_TRUE(seen.insert(s).second) << "in two boxes";
+            const float place[3] = {made.samples.xy()[2 * s], made.samples.xy()[2 * s + 1], made.samples.t()[s] * made.leaves.extent[2]};
+            for (size_t d = 0; d < axes; ++d) {
+                EXPECT_GE(place[d], made.leaves.lo[l * axes + d] - 1e-4f);
+                EXPECT_LE(place[d], made.leaves.hi[l * axes + d] + 1e-4f);
+            }
+        }
+    }
+    EXPECT_NEAR(volume / all, 1, 1e-6);
+    EXPECT_EQ(seen.size(), made.samples.size());
+    EXPECT_EQ(made.samples.size(), 6u * 24 * 20);
+    // Weights are volumes in pixels, so they add up to the number of pixels.
+    double weight = 0;
+    for (const float w : made.samples.values("weight")) weight += double(w);
+    EXPECT_NEAR(weight / (24 * 20), 1, 1e-5);
+}
+INSTANTIATE_TEST_SUITE_P(All, OfFunction, testing::Values("constant", "linear", "time", "texture", "edge", "noise"));
+
+TEST(AdaptiveSamples, OfAConstantIsThatConstant) {
+    const Adaptive made = adaptive(sampler_of("constant", 20, 16), 4);
+    for (const float value : made.picture.pixels()) EXPECT_EQ(value, 0.5f);
+}
+
+TEST(AdaptiveSamples, OfARampIsTheRampWithinABox) {
+    const Adaptive made = adaptive(sampler_of("linear", 24, 24), 8);
+    float widest = 0;
+    for (size_t l = 0; l < made.leaves.size(); ++l) widest = std::max(widest, made.leaves.hi[3 * l] - made.leaves.lo[3 * l]);
+    for (int x = 0; x < 24; ++x) EXPECT_NEAR(made.picture.at(x, 11)[0], (float(x) + 0.5f) / 24, widest / 24);
+}
+
+TEST(AdaptiveSamples, OfTimeAloneIsHalfEverywhere) {
+    const Adaptive made = adaptive(sampler_of("time", 16, 16), 8);
+    float widest = 0;
+    for (size_t l = 0; l < made.leaves.size(); ++l) widest = std::max(widest, (made.leaves.hi[3 * l + 2] - made.leaves.lo[3 * l + 2]) / made.leaves.extent[2]);
+    for (const float value : made.picture.pixels()) EXPECT_NEAR(value, 0.5f, widest);
+}
+
+// Against the means of evenly, and well, spread samples, which a moving texture leaves noisy.
+TEST(AdaptiveSamples, OfAMovingDiscBeatEvenOnes) {
+    const SamplerFunction sampler = sampler_of("disc");
+    const Image reference = disc_reference(sampler);
+    const Samples even = RunNode("uniform-samples").in("sampler", sampler).set("per-pixel", Json(4.0)).out<Samples>("samples");
+    const double plain = rmse(box_of(even), reference);
+    EXPECT_GT(plain, 0.03);
+    for (const int seed : {1, 2, 3}) {
+        const Adaptive made = adaptive(sampler, 4, seed);
+        EXPECT_LT(rmse(made.picture, reference), 0.65 * plain) << "seed " << seed;
+        // More of them are where the disc passes, and weights make up for that.
+        double in_path = 0, weighted = 0, weights = 0, mean = 0;
+        for (size_t i = 0; i < made.samples.size(); ++i) {
+            in_path += std::abs(made.samples.xy()[2 * i + 1] - 24) < 10;
+            weighted += double(made.samples.values("weight")[i]) * double(made.samples.rgb()[3 * i]);
+            weights += double(made.samples.values("weight")[i]);
+        }
+        for (const float value : reference.pixels()) mean += double(value) / double(reference.pixels().size());
+        EXPECT_GT(in_path / double(made.samples.size()), 1.05 * 20 / 48);
+        EXPECT_NEAR(weighted / weights, mean, 0.01 * mean);
+    }
+}
+
+TEST(AdaptiveSamples, AreTheSameHoweverLargeTheBudgetIsUntilTheSmallerOneEnds) {
+    TreeSettings settings{.extent = {16, 16, 28}};
+    const SamplerFunction sampler = sampler_of("disc", 48, 48);
+    const auto sampled = [&](size_t budget) {
+        Tree tree(settings, 256);
+        std::vector<float> places;
+        while (tree.samples() < budget) {
+            const size_t n = tree.request(budget - tree.samples());
+            std::vector<std::span<const float>> axes;
+            for (size_t d = 0; d < 3; ++d) axes.push_back(tree.places(d));
+            std::vector<float> rgb(3 * n);
+            sampler.evaluate({axes}, 0, rgb);
+            tree.insert(rgb);
+        }
+        for (size_t i = 0; i < tree.samples(); ++i) places.push_back(tree.at(0)[i]);
+        return places;
+    };
+    const auto small = sampled(1500), large = sampled(3000);
+    // The round in which the small budget ended was cut short.
+    for (size_t i = 0; i < 1200; ++i) ASSERT_EQ(small[i], large[i]) << i;
+}
+
+TEST(AdaptiveSamples, NoiseThatNoAxisExplainsIsNoticed) {
+    EXPECT_TRUE(adaptive(sampler_of("disc"), 3).warnings.empty());
+    const Adaptive noisy = adaptive(sampler_of("noise", 24, 24), 4);
+    ASSERT_EQ(noisy.warnings.size(), 1u);
+    EXPECT_NE(noisy.warnings[0].find("no axis explains"), std::string::npos) << noisy.warnings[0];
+}
+
+std::string error_of(const SamplerFunction& sampler, double budget) {
+    try {
+        adaptive(sampler, budget);
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "";
+}
+
+TEST(AdaptiveSamples, SayWhatIsWrong) {
+    EXPECT_NE(error_of(sampler_of("disc"), 0.5).find("raise budget"), std::string::npos);
+    SamplerFunction line = sampler_of("disc");
+    line.axes.resize(1);
+    EXPECT_NE(error_of(line, 4).find("1 axes"), std::string::npos);
+    SamplerFunction broken = sampler_of("disc");
+    const auto good = broken.evaluate;
+    const auto break_below = [&](float part) {
+        broken.evaluate = [good, part](const SamplerPoints& points, std::uint64_t seed, std::span<float> rgb) {
+            good(points, seed, rgb);
+            for (size_t i = 0; i < points.size(); ++i)
+                if (points.axes[0][i] < part) rgb[3 * i + 1] = std::numeric_limits<float>::quiet_NaN();
+        };
+    };
+    break_below(0.5f);
+    EXPECT_NE(error_of(broken, 4).find("not finite"), std::string::npos);
+    break_below(0.004f);
+    const Adaptive few = adaptive(broken, 4);
+    ASSERT_GE(few.warnings.size(), 1u);
+    EXPECT_NE(few.warnings[0].find("count as black"), std::string::npos);
+    for (const float value : few.picture.pixels()) EXPECT_TRUE(std::isfinite(value));
+}
+
+}  // namespace
+}  // namespace weft
