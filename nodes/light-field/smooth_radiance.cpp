@@ -2,6 +2,7 @@
 // detail where it is not, to make up for the filter to come (smooth_radiance_kernel.h says how). Only rgb changes.
 #include "light-field/smooth_radiance_kernel.h"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -83,15 +84,24 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
         }
         return p;
     };
-    ctx.parallel_for(
-        n,
-        [&](size_t i) {
-            const Recentred p = place(i);
-            x[i] = p.X / p.W;
-            y[i] = p.Y / p.W;
-            keys[i] = std::uint64_t(s.row_of(y[i])) * std::uint64_t(s.columns) + std::uint64_t(s.column_of(x[i]));
-        },
-        4096);
+    ctx.parallel(n, 4096, [&](size_t begin, size_t end) {
+        constexpr size_t chunk = 256;
+        std::array<std::array<float, chunk>, 6> path{};
+        const Paths to{path[0].data(), path[1].data(), path[2].data(),
+                       path[3].data(), path[4].data(), path[5].data()};
+        for (size_t first = begin; first < end; first += chunk) {
+            const size_t count = std::min(chunk, end - first);
+            WEFT_PICK(recentre)(places.from(first), lens, count, to);
+            for (size_t k = 0; k < count; ++k) {
+                const size_t i = first + k;
+                const float W = to.W[k];
+                x[i] = W > 0 ? to.X[k] / W : xy[2 * i];
+                y[i] = W > 0 ? to.Y[k] / W : xy[2 * i + 1];
+                keys[i] = std::uint64_t(s.row_of(y[i])) * std::uint64_t(s.columns) +
+                          std::uint64_t(s.column_of(x[i]));
+            }
+        }
+    });
     s.start.assign(size_t(s.columns) * size_t(s.rows) + 1, 0);
     for (std::uint64_t key : keys) ++s.start[key + 1];
     for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
