@@ -1,4 +1,6 @@
 // The program `weft`: its command line.
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
@@ -172,6 +174,11 @@ int dispatch(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef M_MMAP_THRESHOLD
+    // Memory that one node is done with is the next one's: the system clears all that it gives.
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that is allowed
+    mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
     try {
         return dispatch(argc, argv);
     } catch (const weft::UsageError& error) {
