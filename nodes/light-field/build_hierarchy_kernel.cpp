@@ -158,7 +158,7 @@ void resize(Hierarchy::Rects& rects, size_t n) {
 }
 
 // Room for all samples and groups.
-void allocate(Hierarchy& h) {
+void allocate(Hierarchy& h, bool colored) {
     const size_t n = h.size(), count = (n + Hierarchy::group_size - 1) / Hierarchy::group_size;
     h.groups.moves.resize(count);
     h.levels.assign(1, {});
@@ -170,7 +170,7 @@ void allocate(Hierarchy& h) {
     for (auto* values : {&h.X, &h.Y, &h.W}) values->resize(count * Hierarchy::group_size);
     if (h.moving)
         for (auto* values : {&h.VX, &h.VY, &h.VW}) values->resize(count * Hierarchy::group_size);
-    h.rgba.resize(4 * n);
+    if (colored) h.rgba.resize(4 * n);
 }
 
 // Samples taken at once.
@@ -234,20 +234,33 @@ void build_levels(Hierarchy& h) {
     }
 }
 
+// Of what a light sees: the camera's samples a pixel. So dense they are where a pixel of the light's
+// film is as large as one of the camera's; where not, locations say (Locations::ratio).
+double camera_spp(const Samples& samples) {
+    const Json* light = samples.meta.find("light");
+    const Json* spp = light ? light->find("camera_spp") : nullptr;
+    return spp && spp->is(Json::Kind::number) && spp->number > 0 ? spp->number : 1.0;
+}
+
 }  // namespace
 
 Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, double radius_scale,
                           Context& ctx) {
-    samples.require("build-hierarchy", {"xy", "z", "rgb"});
+    // What a light sees has no colour of its own.
+    const bool colored = samples.domain != "light";
+    if (colored)
+        samples.require("build-hierarchy", {"xy", "z", "rgb"});
+    else
+        samples.require("build-hierarchy", {"xy", "z"});
     const size_t n = samples.size();
     if (n > 0xfffffff0u)
         throw Error("the buffer has more than 4294967280 samples; reconstruct it in parts");
     Hierarchy h;
     h.width = samples.width;
     h.height = samples.height;
-    h.mean_spp = samples.mean_spp();
-    h.radius = float(radius_scale) * dispersion_radius(samples.mean_spp());
-    h.radii = local_radii(samples, radius_scale, ctx);
+    h.mean_spp = colored ? samples.mean_spp() : camera_spp(samples);
+    h.radius = float(radius_scale) * dispersion_radius(h.mean_spp);
+    if (colored) h.radii = local_radii(samples, radius_scale, ctx);
     if (samples.has_lens()) h.lens = *samples.lens;
     h.shutter = shutter_of(samples.meta);
     h.moving = samples.has_motion();
@@ -270,7 +283,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
         }
     });
     h.order = sorted(std::move(keys), ctx);
-    allocate(h);
+    allocate(h, colored);
     const auto rgb = samples.rgb(), alpha = samples.values("alpha");
     h.opaque = std::all_of(alpha.begin(), alpha.end(), [](float a) { return a == 1; });
     // Each sample is fetched once, and its group bounded while it is at hand.
@@ -282,7 +295,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
                          end = std::min({begin + chunk, last * Hierarchy::group_size, n});
             fetched.fetch(places, h.order, begin, end);
             WEFT_PICK(recentre)(fetched.places(places), h.lens, end - begin, paths_of(h, begin));
-            for (size_t i = begin; i < end; ++i) {
+            for (size_t i = begin; i < end && colored; ++i) {
                 const size_t from = h.order[i];
                 for (size_t c = 0; c < 3; ++c) h.rgba[4 * i + c] = rgb[3 * from + c];
                 h.rgba[4 * i + 3] = alpha.empty() ? 1.0f : alpha[from];

@@ -27,6 +27,7 @@ struct FilterVisible {
     using Scratch = FilterScratch;
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const Candidates& c = in.get<Candidates>("candidates");
+        c.hierarchy->require_colors();
         const Tent tent{radius_scale * c.hierarchy->radius, exponent};
         if (view_test > 0) return filter_by_view(c, in.get<Surfaces>("surfaces"), in.get<Visibility>("visibility"), tent, view_test, out.get<Colors>("colors"));
         WEFT_PICK(filter)(c, in.get<Surfaces>("surfaces"), in.get<Visibility>("visibility"),

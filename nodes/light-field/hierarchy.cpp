@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graph/error.h"
+
 namespace weft {
 
 size_t Hierarchy::bytes() const {
@@ -11,6 +13,11 @@ size_t Hierarchy::bytes() const {
     floats += radii.size() + 10 * groups.size();
     for (const Rects& level : levels) floats += 4 * level.size();
     return 4 * floats + groups.moves.size();
+}
+
+void Hierarchy::require_colors() const {
+    if (rgba.size() == 0 && size() > 0)
+        throw Error("'hierarchy' is of light samples, which have no colour to filter; depth-vote makes shadows of them");
 }
 
 float Hierarchy::radius_at(float x, float y) const {

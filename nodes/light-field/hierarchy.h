@@ -38,7 +38,7 @@ class Hierarchy {
     // y likewise; a sample is there while the divisor is above 0.
     LargeArray<float> X, Y, W;
     LargeArray<float> VX, VY, VW;     // empty where nothing moves
-    LargeArray<float> rgba;           // 4 a sample: radiance, alpha
+    LargeArray<float> rgba;           // 4 a sample: radiance, alpha; empty where a light sees them
     LargeArray<std::uint32_t> order;  // index in the buffer
     Array<float> uv, t;               // the buffer's own, in its order: where and when each was seen
 
@@ -64,6 +64,9 @@ class Hierarchy {
 
     size_t size() const { return order.size(); }  // samples, without the filling
     size_t bytes() const;
+
+    // Throws Error where samples have no radiance.
+    void require_colors() const;
 
     // R at a place in the picture, and the largest in pixels [x0, x1) x [y0, y1); beyond the border
     // that of the nearest pixel.

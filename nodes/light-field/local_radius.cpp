@@ -66,15 +66,23 @@ std::vector<float> local_radii(const Samples& samples, double scale, Context& ct
     return radii;
 }
 
-void narrow(float scale, Candidates& c) {
+float largest_radius(const Hierarchy& h, const Locations& at) {
+    if (at.ratio.empty()) return h.largest_radius(at.x0, at.y0, at.x1, at.y1);
+    const size_t n = at.size();
+    return n == 0 ? h.radius
+                  : h.radius * *std::max_element(at.ratio.begin(), at.ratio.begin() + std::ptrdiff_t(n));
+}
+
+void narrow(float scale, const Locations& at, Candidates& c) {
     const Hierarchy& h = *c.hierarchy;
     c.ratio.clear();
-    if (h.radii.empty()) return;
+    if (h.radii.empty() && at.ratio.empty()) return;
     c.ratio.resize(c.size());
     std::uint32_t to = 0, begin = 0;
     for (size_t l = 0; l < c.size(); ++l) {
-        const float own = h.radius_at(c.x[l], c.y[l]), radius = scale * own,
-                    limit = radius * radius;
+        const float own =
+            at.ratio.empty() ? h.radius_at(c.x[l], c.y[l]) : h.radius * at.ratio[l];
+        const float radius = scale * own, limit = radius * radius;
         c.ratio[l] = own / h.radius;
         const std::uint32_t end = c.offset[l + 1];
         for (std::uint32_t i = begin; i < end; ++i) {

@@ -13,9 +13,12 @@ namespace weft::light_field {
 // number of samples of each pixel: a location's R does not depend on how they lie.
 std::vector<float> local_radii(const Samples& samples, double scale, Context& ctx);
 
+// The largest R of a batch's locations.
+float largest_radius(const Hierarchy& hierarchy, const Locations& at);
+
 // Leaves each location those candidates that are within `scale` times its own R, and says in
 // Candidates::ratio how that R compares with the hierarchy's. Nothing to do where R is one
 // everywhere.
-void narrow(float scale, Candidates& candidates);
+void narrow(float scale, const Locations& at, Candidates& candidates);
 
 }  // namespace weft::light_field

@@ -29,6 +29,7 @@ struct NearestSample {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
         Colors& colors = out.get<Colors>("colors");
+        h.require_colors();
         colors.color_space = &h.color_space;
         colors.rgba.assign(4 * at.size(), 0);
         colors.valid.assign(at.size(), 0);

@@ -33,7 +33,8 @@ struct Directions {
     }
 };
 // Degree, inner coefficients of the polynomial, first directions (Joe and Kuo 2008, new-joe-kuo-6).
-constexpr Directions sobol[4] = {{0, 0, {}}, {1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}};
+constexpr Directions sobol[6] = {{0, 0, {}},           {1, 0, {1}},          {2, 1, {1, 3}},
+                                 {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}};
 
 // Owen's scrambling: each bit is flipped by a hash of those above it (Laine and Karras 2011; Burley 2020).
 std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
@@ -61,6 +62,10 @@ LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const
 }
 
 std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i) { return {sobol[2](i), sobol[3](i)}; }
+
+float light_number(std::uint64_t seed, std::uint32_t i, int dimension) {
+    return unit_float(scrambled(sobol[4 + dimension](i), std::uint32_t(mix(seed + 3 + std::uint64_t(dimension)))));
+}
 
 std::uint64_t pixel_scramble(std::uint64_t seed, int x, int y) {
     return mix(mix(seed ^ 0x5bf0'3635'd1c2'a96eull) ^ (std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)));

@@ -23,6 +23,9 @@ LensPoint lens_point(std::uint64_t seed, std::uint32_t i, std::uint32_t n, const
 
 // Bits of dimensions 3 and 4 of Sobol's sequence.
 std::array<std::uint32_t, 2> pixel_pattern(std::uint32_t i);
+// Where slice i looks at a light from: dimension 0 or 1, in [0, 1); dimensions 5 and 6 of Sobol's sequence, so
+// evenly spread together with (u, v, t) and (x, y).
+float light_number(std::uint64_t seed, std::uint32_t i, int dimension);
 std::uint64_t pixel_scramble(std::uint64_t seed, int x, int y);
 
 }  // namespace weft::light_field

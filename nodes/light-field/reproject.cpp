@@ -30,18 +30,18 @@ struct Reproject {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
         Candidates& found = out.get<Candidates>("candidates");
-        const float largest = h.largest_radius(at.x0, at.y0, at.x1, at.y1), radius = radius_scale * largest;
+        const float largest = largest_radius(h, at), radius = radius_scale * largest;
         Projection* made = out.wanted("projection") ? &out.get<Projection>("projection") : nullptr;
         if (!at.shared) {
             collect_for(h, at, radius, scratch.block);
             WEFT_PICK(gather_each)(h, scratch.block, at, radius, found);
-            narrow(radius_scale, found);
+            narrow(radius_scale, at, found);
             if (made) made->hierarchy = nullptr;
             return;
         }
         const Projection* known = in.find<Projection>("projection");
         WEFT_PICK(gather)(projected(h, at, radius, std::max(reach, radius_scale) * largest, false, known, made, scratch), at, radius, found);
-        narrow(radius_scale, found);
+        narrow(radius_scale, at, found);
     }
 };
 

@@ -32,12 +32,12 @@ struct ReprojectNearest {
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
-        const float radius = radius_scale * h.largest_radius(at.x0, at.y0, at.x1, at.y1);
+        const float radius = radius_scale * largest_radius(h, at);
         if (!scratch.block.covers(h, at.x0, at.y0, at.x1, at.y1, radius)) collect(h, at.x0, at.y0, at.x1, at.y1, radius, scratch.block);
         Candidates& all = scratch.all;
         all.pixels = at.pixels;
         WEFT_PICK(gather_each)(h, scratch.block, at, radius, all);
-        narrow(radius_scale, all);
+        narrow(radius_scale, at, all);
         if (out.wanted("projection")) out.get<Projection>("projection").hierarchy = nullptr;
         Candidates& c = out.get<Candidates>("candidates");
         c.hierarchy = &h;

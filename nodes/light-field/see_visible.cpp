@@ -68,7 +68,8 @@ struct SeeVisible {
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Locations& at = in.get<Locations>("locations");
-        const float largest = h.largest_radius(at.x0, at.y0, at.x1, at.y1),
+        h.require_colors();
+        const float largest = largest_radius(h, at),
                     radius = search * largest;
         const SeeSettings set{
             radius, h.radius, {box, tolerance}, {tent * h.radius, exponent}, pass == Pass::final};
@@ -80,7 +81,7 @@ struct SeeVisible {
                            in.find<Projection>("projection"), made, scratch.projected);
         else if (made)
             made->hierarchy = nullptr;
-        if (p && h.radii.empty())
+        if (p && h.radii.empty() && at.ratio.empty())
             WEFT_PICK(see)(*p, at, set, scratch.see, colors);
         else
             one_by_one(h, p, at, set, scratch, colors);
@@ -104,7 +105,7 @@ struct SeeVisible {
             collect_for(h, at, set.radius, s.projected.block);
             WEFT_PICK(gather_each)(h, s.projected.block, at, set.radius, s.candidates);
         }
-        narrow(search, s.candidates);
+        narrow(search, at, s.candidates);
         WEFT_PICK(cluster)(s.candidates, set.test, s.cluster, s.surfaces);
         if (set.final) WEFT_PICK(cover_finally)
         (s.candidates, s.surfaces, set.cover_radius, s.see.coverage, s.see.visibility);

@@ -8,6 +8,7 @@ namespace weft::light_field {
 inline void select(const Locations& from, const Visibility& visibility, Decision which, Locations& to) {
     to.x.clear();
     to.y.clear();
+    to.ratio.clear();
     to.own_pixels.clear();
     to.own_parents.clear();
     to.shared = from.shared;
@@ -26,6 +27,7 @@ inline void select(const Locations& from, const Visibility& visibility, Decision
         to.y.push_back(from.y[l]);
         to.own_pixels.push_back(from.pixels[l]);
         to.own_parents.push_back(std::uint32_t(l));
+        if (!from.ratio.empty()) to.ratio.push_back(from.ratio[l]);
         if (from.shared) continue;
         to.u.push_back(from.u[l]);
         to.v.push_back(from.v[l]);

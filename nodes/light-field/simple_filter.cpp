@@ -27,6 +27,7 @@ void filter_each(const Inputs& in, Outputs& out, Weight&& weight) {
     const Visibility& v = in.get<Visibility>("visibility");
     Colors& colors = out.get<Colors>("colors");
     const Hierarchy& h = *c.hierarchy;
+    h.require_colors();
     colors.color_space = &h.color_space;
     colors.rgba.assign(4 * c.size(), 0);
     colors.valid.assign(c.size(), 0);

@@ -20,6 +20,7 @@ struct Locations : Batch {
     bool shared = false;         // all records have the same (u, v, t)
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // every location lies in these pixels
     std::uint64_t slice = 0;     // batches of the same slice and pixels share (u, v, t)
+    std::vector<float> ratio;    // R of each location over the hierarchy's; empty: by their place
 
     float u_of(size_t i) const { return u[shared ? 0 : i]; }
     float v_of(size_t i) const { return v[shared ? 0 : i]; }

@@ -25,6 +25,12 @@ Json lights_meta(const Scene& scene) {
         one.set("origin", numbers(m.origin));
         one.set("ex", numbers(a > 0 ? m.x * (1 / a) : m.x));
         one.set("ey", numbers(b > 0 ? m.y * (1 / b) : m.y));
+        if (light.to_world.size() > 1) {
+            const Affine& end = light.to_world.back();
+            one.set("origin_end", numbers(end.origin));
+            one.set("ex_end", numbers(a > 0 ? end.x * (1 / a) : end.x));
+            one.set("ey_end", numbers(b > 0 ? end.y * (1 / b) : end.y));
+        }
         one.set("half_extents",
                 light.area() ? Json::list({double(a), double(b)}) : Json::list({0.0, 0.0}));
         one.set("radiance", numbers(light.radiance));

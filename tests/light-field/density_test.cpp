@@ -144,7 +144,7 @@ TEST(LocalRadii, NarrowKeepsWhatIsWithinEachLocationsOwn) {
     EXPECT_FLOAT_EQ(h.largest_radius(0, 0, 20, 10), 0.9f);
     collect(h, 0, 0, 20, 10, 2, block);
     for (Candidates* to : {&all, &c}) WEFT_PICK(gather_each)(h, block, at, 1.8f, *to);
-    narrow(2, c);
+    narrow(2, {}, c);
     for (size_t l = 0; l < at.size(); ++l) {
         const float radius = h.radii[size_t(at.y[l]) * 20 + size_t(at.x[l])];
         EXPECT_FLOAT_EQ(c.ratio[l] * h.radius, radius);

@@ -1,0 +1,54 @@
+// depth-vote: how much of the light each location sees, by vote of the light samples of the surface
+// that lies between (depth_vote_kernel.h).
+#include "runtime/node.h"
+#include "shadows/depth_vote_kernel.h"
+
+namespace weft {
+namespace {
+using namespace shadows;
+
+struct DepthVote {
+    DepthTest test = DepthTest::both_planes;
+    float bias = 1e-5f, radius_scale = 1;
+
+    static void declare(Ports<DepthVote>& node) {
+        node.about("the lit share of the votes of the light samples near each location")
+            .in<Candidates>("candidates", "the light samples near each location")
+            .in<Surfaces>("surfaces", "their surfaces, nearest to the light first")
+            .in<Visibility>("visibility", "the surface that the light meets on its way")
+            .in<ShadowQueries>("queries", "the receivers")
+            .in<Samples>("light-samples", "of the candidates: z and z_gradient")
+            .in<LightView>("light-view", "of the light samples")
+            .out<LightShares>(
+                "shares", "how much of the light each location sees; all of it where nobody votes")
+            .choice("test", &DepthVote::test, {"both-planes", "inverse-depth", "linear"},
+                    {.about = "when a sample's surface shadows a receiver. both-planes: it lies "
+                              "before it by the tangent planes of "
+                              "both; inverse-depth: by its own, as planes are seen; linear: by its "
+                              "own, as published, depth taken for linear"})
+            .param("bias", &DepthVote::bias,
+                   {.min = 0,
+                    .max = 1e6,
+                    .about = "of the depth, how much nearer to the light than the receiver is not "
+                             "nearer yet; of test linear in world units (published: 0.01)"})
+            .param("radius-scale", &DepthVote::radius_scale,
+                   {.unit = "R",
+                    .min = 0.05,
+                    .max = 32,
+                    .about = "where votes have no weight any more"});
+    }
+    void batch(const Inputs& in, Outputs& out) const {
+        const Samples& lights = in.get<Samples>("light-samples");
+        const LightView& view = in.get<LightView>("light-view");
+        depth_vote(in.get<Candidates>("candidates"), in.get<Surfaces>("surfaces"),
+                   in.get<Visibility>("visibility"), in.get<ShadowQueries>("queries"),
+                   lights.values("z_gradient"), lights.z(),
+                   {test, bias, radius_scale, view.c0x(), view.c0y()},
+                   out.get<LightShares>("shares"));
+    }
+};
+
+WEFT_NODE(DepthVote, "depth-vote", 1)
+
+}  // namespace
+}  // namespace weft

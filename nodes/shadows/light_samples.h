@@ -1,0 +1,46 @@
+// Light samples: what the light sees of the scene, a Samples value of domain "light"
+// (docs/formats.md):
+//   xy, uv        q, px of the light view's film as seen from the sample's own l, and l
+//   t, z          time; w, the distance in front of the light
+//   motion        homogeneous, px w and w; present where something moves
+//   z_gradient    dw/dx, dw/dy of the surface, as seen from l = 0; 0: not known, or edge-on
+//   source        the camera sample whose shadow ray it is
+// Source: Lehtinen et al. 2011, Sec. 4.  Departure: the sample is the first thing that the light
+// sees along a camera sample's own shadow ray, from a point of the light of its own.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "samples/samplers.h"
+#include "shadows/light_view.h"
+
+namespace weft::shadows {
+
+// The first thing that the light sees along a ray, in light space.
+struct LightHit {
+    Point3 at, motion;  // at the sample's time; over the shutter
+    Point3 normal;      // 0: not known
+    double t = 0.5, lx = 0, ly = 0;
+    std::uint32_t source = 0;
+};
+
+// Samples in places of their own, some of them empty. Threads: any, on different places.
+class LightSampleArrays {
+  public:
+    explicit LightSampleArrays(size_t places);
+    void set(size_t place, const LightView& view, const LightHit& hit);
+    // Whether `hit` can be: in front of the light, on its film, all numbers finite.
+    static bool seen(const LightView& view, const LightHit& hit);
+    // The places that were set, in order.
+    Samples take(const LightView& view, const Samples& camera) &&;
+
+  private:
+    std::vector<float> xy_, uv_, t_, z_, motion_, gradient_;
+    std::vector<std::uint32_t> source_;
+};
+
+// Two numbers in [0, 1) for the light's point of sample `index` of a pixel that has `count`.
+Disk light_numbers(std::uint64_t seed, int x, int y, int count, std::uint32_t index);
+
+}  // namespace weft::shadows

@@ -1,0 +1,108 @@
+#include "shadows/light_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace weft {
+namespace {
+
+Point3 cross(Point3 a, Point3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+// The unit square to the unit disc, areas kept (Shirley and Chiu 1997).
+std::array<double, 2> concentric(double a, double b) {
+    const double x = 2 * a - 1, y = 2 * b - 1;
+    if (x == 0 && y == 0) return {0, 0};
+    constexpr double quarter = std::numbers::pi / 4;
+    const bool wide = std::abs(x) > std::abs(y);
+    const double r = wide ? x : y, angle = wide ? quarter * y / x : 2 * quarter - quarter * x / y;
+    return {r * std::cos(angle), r * std::sin(angle)};
+}
+
+}  // namespace
+
+Map3 inverse(const Map3& m) {
+    const Point3 yz = cross(m.y, m.z), zx = cross(m.z, m.x), xy = cross(m.x, m.y);
+    const double scale = 1 / dot(m.x, yz);
+    Map3 out{Point3{yz.x, zx.x, xy.x} * scale,
+             Point3{yz.y, zx.y, xy.y} * scale,
+             Point3{yz.z, zx.z, xy.z} * scale,
+             {}};
+    out.origin = out.vector(m.origin) * -1.0;
+    return out;
+}
+
+Lens LightView::lens() const {
+    Lens out;
+    out.c0 = float(c0y());
+    out.c1 = float(c1y());
+    out.aspect = ay > 0 ? float(ax / ay) : 1.0f;
+    return out;
+}
+
+Point3 LightView::from_world(Point3 world, double t) const {
+    const Point3 open = world_to_light[0].point(world), close = world_to_light[1].point(world);
+    return open + (close - open) * t;
+}
+
+Point3 LightView::to_world(Point3 p, double t) const {
+    const Map3 &a = world_to_light[0], &b = world_to_light[1];
+    if (t <= 0) return light_to_world[0].point(p);
+    const auto between = [&](Point3 open, Point3 close) { return open + (close - open) * t; };
+    return inverse({between(a.x, b.x), between(a.y, b.y), between(a.z, b.z),
+                    between(a.origin, b.origin)})
+        .point(p);
+}
+
+Point3 LightView::from_camera(Point3 open, Point3 close, double t) const {
+    const Point3 a = world_to_light[0].point(pixel_to_world[0].point(open)),
+                 b = world_to_light[1].point(pixel_to_world[1].point(close));
+    return a + (b - a) * t;
+}
+
+std::array<double, 2> LightView::project(Point3 p, double lx, double ly) const {
+    const double inverse = 1 / p.z;
+    return {cx + k * p.x * inverse + (c0x() * inverse + c1x()) * lx,
+            cy + k * p.y * inverse + (c0y() * inverse + c1y()) * ly};
+}
+
+std::array<double, 2> LightView::inverse_depth_gradient(Point3 p, Point3 n) const {
+    // 1/w = n.dir / n.p with dir = (X/w, Y/w, 1), and a px moves dir by 1/k.
+    const double plane = dot(n, p), facing = plane / p.z;
+    if (!(std::abs(facing) >= 1e-3 * std::sqrt(dot(n, n)))) return {0, 0};
+    return {n.x / (k * plane), n.y / (k * plane)};
+}
+
+std::array<double, 2> LightView::point(double a, double b, Point3 p) const {
+    switch (shape) {
+        case Shape::quad:
+            return {2 * a - 1, 2 * b - 1};
+        case Shape::disc:
+            return concentric(a, b);
+        case Shape::point:
+            return {0, 0};
+        case Shape::sphere:
+            break;
+    }
+    // Even over the cone that holds the ball, as Lights::sample draws it (Pharr et al., Physically
+    // Based Rendering, Sec. 6.2); then on to the plane through the centre.
+    const double distance2 = dot(p, p), sine2 = std::min(radius * radius / distance2, 0.999);
+    const double cosine = 1 - a * (1 - std::sqrt(1 - sine2)),
+                 sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    const double angle = 2 * std::numbers::pi * b;
+    const Point3 axis = p * (-1 / std::sqrt(distance2));
+    const Point3 aside = std::abs(axis.x) < 0.7 ? Point3{1, 0, 0} : Point3{0, 1, 0};
+    Point3 right = cross(aside, axis);
+    right = right * (1 / std::sqrt(dot(right, right)));
+    const Point3 up = cross(axis, right);
+    const Point3 d =
+        axis * cosine + right * (sine * std::cos(angle)) + up * (sine * std::sin(angle));
+    if (!(d.z < 0)) return {0, 0};
+    const Point3 at = p + d * (-p.z / d.z);
+    // A receiver that sees the plane edge-on would look past the film's reach.
+    return {std::clamp(at.x / ax, -1.0, 1.0), std::clamp(at.y / ay, -1.0, 1.0)};
+}
+
+}  // namespace weft

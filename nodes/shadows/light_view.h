@@ -1,0 +1,99 @@
+// LightView: a light that looks at the receivers of a sample buffer as a camera with a lens would:
+// the light's area is the lens, a plane in front of it the film.
+//   light space   X along the light's ex, Y along ey, w the distance in front of its plane (> 0)
+//   l             where on the light: (ax l.x, ay l.y, 0) in light space; a quad is [-1, 1]^2, a
+//                 disc the unit disc; of a ball, which looks from each receiver like another disc,
+//                 where the ray crosses the plane through its centre
+//   q             px of the film: c + k (X, Y) / w + (C0 / w + C1) l with C0 = -k a, C1 = k a / F;
+//                 the focus distance F moves samples over the film, not the result
+//   time          what moves goes straight in light space between both ends of the shutter; so a
+//                 moving light is motion of all else
+// Source: Lehtinen et al. 2011, Sec. 4 (a light as a camera); the two-plane form with C0 and C1 is
+// that of the camera's own lens (docs/formats.md).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "runtime/value.h"
+#include "samples/samples.h"
+#include "samples/vec3.h"
+
+namespace weft {
+
+// Double precision: shadows are told by differences of depths.
+struct Point3 {
+    double x = 0, y = 0, z = 0;
+    friend Point3 operator+(Point3 a, Point3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend Point3 operator-(Point3 a, Point3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    friend Point3 operator*(Point3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+};
+inline double dot(Point3 a, Point3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Point3 to_double(Vec3 v) {
+    return {double(v.x), double(v.y), double(v.z)};
+}
+inline Vec3 to_float(Point3 p) {
+    return {float(p.x), float(p.y), float(p.z)};
+}
+
+// p -> x p.x + y p.y + z p.z + origin.
+struct Map3 {
+    Point3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{};
+    Point3 vector(Point3 v) const { return x * v.x + y * v.y + z * v.z; }
+    Point3 point(Point3 p) const { return vector(p) + origin; }
+    friend Map3 operator*(const Map3& a, const Map3& b) {
+        return {a.vector(b.x), a.vector(b.y), a.vector(b.z), a.point(b.origin)};
+    }
+};
+Map3 inverse(const Map3& m);
+
+class LightView {
+  public:
+    enum class Shape { quad, disc, sphere, point };
+
+    std::string name;
+    std::uint32_t light = 0;  // its place in meta.lights: the `light_index` of samples
+    Shape shape = Shape::quad;
+    double ax = 1, ay = 1;  // half extents of l = 1, world units; 0: a point
+    double radius = 0;      // of a ball
+    double k = 1, cx = 0, cy = 0, focus = 1;
+    double nearest = 1e-3;      // w: what is nearer to the light's plane is not seen
+    int width = 0, height = 0;  // of the film, px
+    double spp = 1;             // of the camera's samples: how dense light samples are where a
+                                // pixel of the one film is as large as one of the other
+    // At the opening and at the close of the shutter.
+    std::array<Map3, 2> world_to_light, light_to_world;
+    std::array<Map3, 2> pixel_to_world;  // (x z, y z, z) of a camera sample, x and y in px
+
+    bool moves = false;  // the light does, so still things move in its view
+
+    double c0x() const { return -k * ax; }
+    double c0y() const { return -k * ay; }
+    double c1x() const { return k * ax / focus; }
+    double c1y() const { return k * ay / focus; }
+    Lens lens() const;  // as samples and hierarchies have it
+
+    // A point in light space, given where it is in the world at time t.
+    Point3 from_world(Point3 world, double t) const;
+    Point3 to_world(Point3 in_light_space, double t) const;
+    // A camera sample at time t, given its homogeneous position (x z, y z, z) at both ends.
+    Point3 from_camera(Point3 open, Point3 close, double t) const;
+
+    // Where a point in light space, w > 0, lies on the film seen from l.
+    std::array<double, 2> project(Point3 p, double lx, double ly) const;
+    // Change of 1/w a px of film, seen from l = 0, of the plane through p with this normal; 0 where
+    // the plane is seen edge-on.
+    std::array<double, 2> inverse_depth_gradient(Point3 p, Point3 normal) const;
+    // The light's point of two numbers in [0, 1), evenly spread over it (a ball: over what of it a
+    // receiver in light space sees).
+    std::array<double, 2> point(double a, double b, Point3 receiver) const;
+    bool same_points() const { return shape != Shape::sphere; }  // for all receivers
+
+    size_t bytes() const { return sizeof(LightView); }
+};
+
+WEFT_VALUE_TYPE(LightView, "LightView", "a light that looks at the receivers of a sample buffer")
+
+}  // namespace weft

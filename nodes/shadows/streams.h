@@ -1,0 +1,43 @@
+// The streams of shadow reconstruction, in the order in which stages hand them on: which sample
+// each of the camera's locations sees, where the light is asked about it, how much of the light it
+// sees.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "runtime/value.h"
+
+namespace weft {
+
+// The sample that each location sees: the nearest one of its surface.
+struct SeenSamples : Batch {
+    static constexpr std::uint32_t none = 0xffffffff;
+    std::vector<std::uint32_t> sample;  // index in the camera's hierarchy
+    void count(Items& items) const { items.add("locations", size()); }
+    void describe(FieldVisitor& see) const;
+};
+
+// What is asked of the light at each location, beside the place on its film (a Locations batch of
+// the same records).
+struct ShadowQueries : Batch {
+    std::vector<float> inverse_depth;  // 1 / w of the receiver at the location's time; 0: not asked
+    std::vector<float> slope_x, slope_y;  // of 1 / w over the film, of the receiver's surface, seen
+                                          // from l = 0
+    std::vector<std::uint32_t> sample;    // of the camera's buffer; SeenSamples::none
+    void count(Items& items) const { items.add("queries", size()); }
+    void describe(FieldVisitor& see) const;
+};
+
+// How much of the light each location sees.
+struct LightShares : Batch {
+    std::vector<float> share;          // 0: none of it, 1: all
+    std::vector<std::uint32_t> votes;  // light samples that had a say; 0: nobody, share is 1
+    void count(Items& items) const { items.add("locations", size()); }
+    void describe(FieldVisitor& see) const;
+};
+
+WEFT_STREAM_TYPE(SeenSamples, "SeenSamples", "the sample that each location sees")
+WEFT_STREAM_TYPE(ShadowQueries, "ShadowQueries", "receivers whose light is asked for")
+WEFT_STREAM_TYPE(LightShares, "LightShares", "how much of the light each location sees")
+
+}  // namespace weft

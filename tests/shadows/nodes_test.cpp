@@ -1,0 +1,179 @@
+// The nodes of shadow reconstruction on rendered scenes: against many samples a pixel, and on bad
+// input.
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "render/scene.h"
+#include "shadows/light_view.h"
+#include "tests/graph_run.h"
+
+namespace weft {
+namespace {
+
+// A ball and a slab over the ground; `light` and `camera` are JSON members, `speed` the ball's.
+std::string scene_text(const std::string& light, double speed = 0, const std::string& lens = "") {
+    return fmt::format(R"({{"weft_scene": 1, "shutter": {{"open": 0, "close": 1}},
+        "materials": {{"grey": {{"kind": "diffuse", "color": [0.6, 0.6, 0.6]}}}},
+        "shapes": [{{"shape": "plane", "material": "grey", "scale": 10}},
+                   {{"shape": "sphere", "material": "grey", "at": [0.9, 0.5, 0.4], "scale": 0.5, "velocity": [{}, 0, 0]}},
+                   {{"shape": "cube", "material": "grey", "at": [-0.8, 0.9, 0], "scale": [0.5, 0.04, 0.4]}}],
+        "lights": [{}],
+        "camera": {{"at": [0, 3, 6], "target": [0, 0.3, 0], "fov": 28{}}}}})",
+                       speed, light, lens);
+}
+const char* const quad =
+    R"({"shape": "quad", "name": "key", "at": [0.5, 4, 0.5], "target": [0, 0, 0], "size": [1.2, 1.2], "radiance": [20, 20, 20]})";
+const char* const disc =
+    R"({"shape": "disc", "name": "key", "at": [0.5, 4, 0.5], "target": [0, 0, 0], "radius": 0.6, "radiance": [20, 20, 20]})";
+const char* const ball =
+    R"({"shape": "sphere", "name": "key", "at": [0.5, 4, 0.5], "radius": 0.6, "radiance": [8, 8, 8], "visible": false})";
+const char* const moving_quad =
+    R"({"shape": "quad", "name": "key", "at": [0.5, 4, 0.5], "target": [0.5, 0, 0.5], "size": [1, 1], "radiance": [20, 20, 20], "velocity": [0.8, 0, 0]})";
+
+// The picture of a scene: reconstructed from 4 samples a pixel, the mean of 4, or of very many.
+std::string graph_of(const std::string& file, const std::string& kind, int seed = 1) {
+    const std::string head = fmt::format(R"({{"weft": 1, "nodes": {{
+        "scene":  {{"type": "read-scene", "set": {{"file": "{}"}}}},
+        "render": {{"type": "render-samples", "in": {{"scene": "scene"}}, "set": {{"width": 96, "height": 60, "spp": {}, "seed": {}, "max-depth": 1, "mode": "direct",
+                   "channels": ["basic", "position", "geometric_normal", "normal", "albedo", "direct", "direct_unshadowed", "light_index"]}}}},
+        "write":  {{"type": "write-image", "in": {{"image": "picture"}}, "set": {{"file": "OUT", "depth": "float"}}}},)",
+                                         file, kind == "reference" ? 256 : 4, seed);
+    if (kind != "shadows")
+        return head +
+               R"("picture": {"type": "pixel-filter", "in": {"samples": "render"}, "set": {"filter": "box"}}}})";
+    return head + R"(
+        "view":      {"type": "fit-light-view", "in": {"samples": "render"}},
+        "rays":      {"type": "render-light-samples", "in": {"scene": "scene", "samples": "render", "light-view": "view"}},
+        "density":   {"type": "light-jacobian", "in": {"samples": "render", "light-view": "view"}},
+        "separate":  {"type": "separate-light", "in": {"samples": "density", "light-view": "view"}},
+        "direct":    {"type": "smooth-radiance", "in": {"samples": "separate.direct"}},
+        "hierarchy": {"type": "build-hierarchy", "in": {"samples": "separate.rest"}},
+        "locations": {"type": "output-locations", "in": {"hierarchy": "hierarchy"}, "set": {"per-pixel": 64}},
+        "see":       {"type": "parts/seen-samples.json", "in": {"locations": "locations", "hierarchy": "hierarchy"}},
+        "shadow":    {"type": "parts/soft-shadow-z-reconstruct.json",
+                      "in": {"locations": "locations", "seen": "see.seen", "hierarchy": "hierarchy", "samples": "density", "light-view": "view", "light-samples": "rays"}},
+        "shade":     {"type": "shade-visible", "in": {"colors": "see.colors", "shares": "shadow.shares", "queries": "shadow.queries", "direct": "direct"}},
+        "picture":   {"type": "accumulate", "in": {"colors": "shade", "locations": "locations"}}}})";
+}
+
+double rmse(const Image& a, const Image& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.pixels().size(); ++i)
+        sum += std::pow(double(a.pixels()[i] - b.pixels()[i]), 2);
+    return std::sqrt(sum / double(a.pixels().size()));
+}
+
+struct Case {
+    const char* name;
+    std::string scene;
+};
+class ShadowScene : public testing::TestWithParam<Case> {};
+
+TEST_P(ShadowScene, IsNearerToTheTruthThanTheSamples) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << GetParam().scene;
+    const Image truth = GraphRun(graph_of(file, "reference", 7)).picture;
+    const double input = rmse(GraphRun(graph_of(file, "input")).picture, truth);
+    const GraphRun one(graph_of(file, "shadows"));
+    EXPECT_LT(rmse(one.picture, truth), 0.9 * input) << "input: " << input;
+    // The same bits for any threads and tiles.
+    EXPECT_EQ(values_of(GraphRun(graph_of(file, "shadows"), 17, 3).picture),
+              values_of(one.picture));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lights, ShadowScene,
+    testing::Values(Case{"quad", scene_text(quad)}, Case{"disc", scene_text(disc)},
+                    Case{"ball", scene_text(ball)}, Case{"moving_light", scene_text(moving_quad)},
+                    Case{"moving_ball_open_lens",
+                         scene_text(quad, 1, R"(, "focus": 6.5, "lens": {"radius": 0.08})")}),
+    [](const auto& of) { return std::string(of.param.name); });
+
+// What a node says of a scene's samples.
+std::string error_with(const std::string& scene, const std::string& light = "") {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << scene;
+    return error_of([&] {
+        const Scene read = RunNode("read-scene").set("file", file).out<Scene>("scene");
+        const Samples samples = RunNode("render-samples")
+                                    .set("width", 16)
+                                    .set("height", 10)
+                                    .set("spp", 1)
+                                    .in("scene", read)
+                                    .out<Samples>("samples");
+        RunNode("fit-light-view")
+            .set("light", light)
+            .in("samples", samples)
+            .out<LightView>("light-view");
+    });
+}
+
+TEST(FitLightView, SaysWhatIsMissing) {
+    EXPECT_NE(error_with(scene_text(quad), "kay").find("no light 'kay'; there are 'key'"),
+              std::string::npos);
+    EXPECT_NE(
+        error_with(
+            scene_text(
+                R"({"shape": "quad", "name": "up", "at": [0, 4, 0], "target": [0, 9, 0], "size": [1, 1], "radiance": [1, 1, 1]})"))
+            .find("lies in front of light 'up'"),
+        std::string::npos);
+    EXPECT_NE(
+        error_with(
+            scene_text(
+                R"({"shape": "directional", "name": "sun", "at": [0, 4, 0], "target": [0, 0, 0], "irradiance": [1, 1, 1]})"))
+            .find("directional only"),
+        std::string::npos);
+    EXPECT_EQ(error_with(scene_text(quad)), "");
+    Samples bare;
+    bare.width = bare.height = bare.spp = 1;
+    bare.set_size(1);
+    bare.add("xy", 2, {0.5f, 0.5f});
+    bare.add("z", 1, {1});
+    EXPECT_NE(error_of([&] {
+                  RunNode("fit-light-view").in("samples", bare).out<LightView>("light-view");
+              }).find("shadows need a light"),
+              std::string::npos);
+    bare.meta = parse_json_or_throw(
+        R"({"lights": [{"name": "a", "shape": "quad", "origin": [0, 0], "ex": [1, 0, 0], "ey": [0, 1, 0], "half_extents": [1, 1]}]})",
+        "meta");
+    EXPECT_NE(error_of([&] {
+                  RunNode("fit-light-view").in("samples", bare).out<LightView>("light-view");
+              }).find("'camera'"),
+              std::string::npos);
+}
+
+TEST(FitLightView, HoldsAllReceivers) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << scene_text(quad);
+    const Scene scene = RunNode("read-scene").set("file", file).out<Scene>("scene");
+    const Samples samples = RunNode("render-samples")
+                                .set("width", 48)
+                                .set("height", 30)
+                                .set("spp", 2)
+                                .in("scene", scene)
+                                .out<Samples>("samples");
+    const LightView view =
+        RunNode("fit-light-view").in("samples", samples).out<LightView>("light-view");
+    const Samples seen = RunNode("render-light-samples")
+                             .in("scene", scene)
+                             .in("samples", samples)
+                             .in("light-view", view)
+                             .out<Samples>("light-samples");
+    size_t hits = 0;
+    for (const float z : samples.z()) hits += std::isfinite(z);
+    EXPECT_EQ(seen.size(), hits);
+    EXPECT_EQ(seen.domain, "light");
+    for (size_t i = 0; i < seen.size(); ++i) {
+        EXPECT_GE(seen.xy()[2 * i], 0) << i;
+        EXPECT_LT(seen.xy()[2 * i], float(view.width)) << i;
+        EXPECT_GT(seen.z()[i], 0) << i;
+    }
+    EXPECT_TRUE(seen.motion().empty()) << "nothing moves";
+}
+
+}  // namespace
+}  // namespace weft

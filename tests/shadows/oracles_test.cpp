@@ -1,0 +1,214 @@
+// Shadows whose exact shape is known, reconstructed from 16 light samples a pixel at 256 points of
+// the light; and the same at other places, sizes, densities and seeds.
+#include "tests/shadows/shadow_test.h"
+
+namespace weft {
+namespace {
+
+ShadowSetup half_plane(LightView::Shape shape, double edge, int spp = 16, unsigned seed = 1) {
+    ShadowSetup s;
+    s.shape = shape, s.spp = spp, s.seed = seed;
+    s.occluder = flat_occluder(6, [=](double x, double, double) { return x < edge; });
+    return s;
+}
+
+TEST(ShadowOracle, KnownNumbers) {
+    EXPECT_DOUBLE_EQ(past_edge_quad(0, 0, 10, 6), 0.5);
+    EXPECT_NEAR(past_edge_quad(.25, 0, 10, 6), 0.6875, 1e-12);
+    EXPECT_NEAR(past_edge_disc(.25, 0, 10, 6), 0.73301273, 1e-8);
+    EXPECT_NEAR(past_disc(0, .3, 10, 6), 0.4375, 1e-12);
+    EXPECT_NEAR(past_disc(.4, .3, 10, 6), 0.57741107, 1e-8);
+    EXPECT_NEAR(past_disc(1, .3, 10, 6), 0.95205090, 1e-8);
+}
+
+TEST(ShadowOracle, EdgeUnderQuadLight) {
+    const ShadowTest test(half_plane(LightView::Shape::quad, 0));
+    const auto e =
+        error_over(test, -0.66, 0.66, 41, [](double x) { return past_edge_quad(x, 0, 10, 6); });
+    EXPECT_LT(e.rmse, 0.012);
+    EXPECT_LT(std::abs(e.bias), 0.008);
+    EXPECT_NEAR(test.share(-0.8), 0, 1e-3);
+    EXPECT_NEAR(test.share(0.8), 1, 1e-3);
+}
+
+TEST(ShadowOracle, EdgeUnderDiscLight) {
+    const ShadowTest test(half_plane(LightView::Shape::disc, 0));
+    const auto e =
+        error_over(test, -0.66, 0.66, 41, [](double x) { return past_edge_disc(x, 0, 10, 6); });
+    EXPECT_LT(e.rmse, 0.012);
+    EXPECT_LT(std::abs(e.bias), 0.008);
+}
+
+TEST(ShadowOracle, DiscUnderDiscLight) {
+    ShadowSetup s;
+    s.shape = LightView::Shape::disc;
+    s.occluder = flat_occluder(6, [](double x, double y, double) { return x * x + y * y < 0.09; });
+    const ShadowTest test(s);
+    // Triangles leave the rim of what is small uncovered, by about half a sample's spacing.
+    const auto e =
+        error_over(test, 0, 1.1667, 41, [](double x) { return past_disc(x, .3, 10, 6); });
+    EXPECT_LT(e.rmse, 0.016);
+    EXPECT_LT(std::abs(e.bias), 0.012);
+    EXPECT_EQ(test.share(1.6), 1);
+}
+
+TEST(ShadowOracle, SphereUnderBothLights) {
+    for (const bool disc : {true, false}) {
+        ShadowSetup s;
+        s.shape = disc ? LightView::Shape::disc : LightView::Shape::quad;
+        s.occluder = sphere_occluder({0, 0, 6}, .3);
+        const ShadowTest test(s);
+        const std::vector<std::pair<double, double>> known =
+            disc ? std::vector<std::pair<double, double>>{{0, .43431804},
+                                                          {.2, .4462},
+                                                          {.4, .5770},
+                                                          {.8, .8467}}
+                 : std::vector<std::pair<double, double>>{
+                       {0, .55571443}, {.2, .5605}, {.4, .6355}, {.8, .8519}};
+        // Besides the rim of triangles: what the light sees of a ball's side from one point it does
+        // not see from others.
+        for (const auto& [x, v] : known)
+            EXPECT_NEAR(test.share(x), v, 0.055) << x << (disc ? " disc" : " quad");
+    }
+}
+
+// Half-plane X < -.5 + t: the mean over the shutter.
+double past_moving_edge(double x) {
+    const auto ramp = [](double s) { return s < 0 ? 0 : s <= 1 ? s * s / 2 : s - 0.5; };
+    const auto at = [&](double t) { return 0.5 - ((t - 0.5) - 0.6 * x) / 0.8; };
+    return (ramp(at(0)) - ramp(at(1))) / 1.25;
+}
+
+TEST(ShadowOracle, MovingEdge) {
+    EXPECT_NEAR(past_moving_edge(.25), 0.6484375, 1e-12);
+    ShadowSetup s;
+    s.timed = true;
+    s.occluder =
+        flat_occluder(6, [](double x, double, double t) { return x < -.5 + t; }, {1, 0, 0});
+    const ShadowTest test(s);
+    // 256 points of light and shutter together leave some noise of their own.
+    const auto e = error_over(test, -1, 1, 41, past_moving_edge);
+    EXPECT_LT(e.rmse, 0.02);
+    EXPECT_LT(std::abs(e.bias), 0.008);
+}
+
+TEST(ShadowOracle, TiltedReceiversNeverShadowThemselves) {
+    for (const double degrees : {0.0, 30.0, 60.0, 75.0})
+        for (const int spp : {1, 4, 16})
+            for (const auto test_kind :
+                 {shadows::DepthTest::both_planes, shadows::DepthTest::inverse_depth}) {
+                ShadowSetup s;
+                s.spp = spp;
+                s.normal = {std::sin(degrees * pi_d / 180), 0, std::cos(degrees * pi_d / 180)};
+                s.reach = degrees > 70 ? 1 : 2;
+                const ShadowTest test(s);
+                shadows::VoteSettings vote;
+                vote.test = test_kind;
+                for (const double x : {-0.8, 0.0, 0.37, 0.9})
+                    EXPECT_EQ(test.share(x, 0.2, 16, vote), 1) << degrees << " " << spp;
+            }
+}
+
+TEST(ShadowOracle, BallsNeverShadowTheirLitSide) {
+    // Receivers on a ball that bends away from the light: its own samples are the only ones.
+    ShadowSetup s;
+    s.spp = 4;
+    s.occluder = [](Point3 light, Point3 receiver, double t) {
+        return sphere_occluder({0, 0, 8}, 1.5)(light, receiver, t);
+    };
+    const ShadowTest test(s);
+    const double z = 8 - std::sqrt(1.5 * 1.5 - 0.3 * 0.3);
+    Locations at;
+    ShadowQueries ask;
+    const Point3 p{0.3, 0, z}, normal{0.3, 0, z - 8};
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const size_t n = 200;
+    at.own_pixels.assign(n, 0);
+    at.pixels = at.own_pixels;
+    const auto slope = test.view().inverse_depth_gradient(p, normal);
+    for (size_t i = 0; i < n; ++i) {
+        const double lx = 2 * unit(random) - 1, ly = 2 * unit(random) - 1;
+        const auto q = test.view().project(p, lx, ly);
+        at.x.push_back(float(q[0])), at.y.push_back(float(q[1]));
+        at.u.push_back(float(lx)), at.v.push_back(float(ly)), at.t.push_back(0.5f);
+    }
+    at.x0 = 0, at.y0 = 0, at.x1 = test.view().width, at.y1 = test.view().height;
+    ask.inverse_depth.assign(n, float(1 / p.z));
+    ask.slope_x.assign(n, float(slope[0])), ask.slope_y.assign(n, float(slope[1]));
+    ask.sample.assign(n, 0);
+    const LightShares shares = test.run(at, ask, test.with_view({}));
+    for (size_t i = 0; i < n; ++i) {
+        EXPECT_EQ(shares.share[i], 1.0f) << i;
+        EXPECT_GT(shares.votes[i], 0u) << i;
+    }
+}
+
+TEST(ShadowOracle, LightWithoutSizeCastsHardShadows) {
+    ShadowSetup s = half_plane(LightView::Shape::point, 0);
+    s.half = 0;
+    const ShadowTest test(s);
+    for (int i = -10; i <= 10; ++i) {
+        const double x = 0.25 * i + 0.11;
+        EXPECT_EQ(test.share(x, 0.3, 4), x < 0 ? 0 : 1) << x;
+    }
+}
+
+TEST(ShadowOracle, WhollyBlockedOrFreeIsExact) {
+    ShadowSetup s;
+    s.occluder = flat_occluder(6, [](double, double, double) { return true; });
+    EXPECT_EQ(ShadowTest(s).share(0.3), 0);
+    s.occluder = nullptr;
+    EXPECT_EQ(ShadowTest(s).share(0.3), 1);
+}
+
+TEST(ShadowProperty, EdgesOfAnyPlaceSizeAndSeed) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 8; ++i) {
+        const double edge = unit(random) - 0.5, d2 = 3 + 5 * unit(random),
+                     half = 0.3 + 1.2 * unit(random);
+        const int spp = std::vector{4, 9, 16}[size_t(random() % 3)];
+        ShadowSetup s;
+        s.half = half, s.spp = spp, s.seed = unsigned(random());
+        s.occluder = flat_occluder(d2, [=](double x, double, double) { return x < edge; });
+        const ShadowTest test(s);
+        const double middle = edge * 10 / d2, wide = half * (10 / d2 - 1);
+        const auto e = error_over(test, middle - wide, middle + wide, 21,
+                                  [=](double x) { return past_edge_quad(x, edge, 10, d2, half); });
+        // A mean of 256 points of its own, in squares of the light, and edges as uncertain as
+        // samples are apart.
+        const double spacing = 10.0 / 100 / std::sqrt(spp) / (2 * wide);
+        EXPECT_LT(e.rmse, 0.012 + 0.5 * spacing) << edge << " " << d2 << " " << half << " " << spp;
+        EXPECT_LT(std::abs(e.bias), 0.008 + 0.5 * spacing)
+            << edge << " " << d2 << " " << half << " " << spp;
+    }
+}
+
+TEST(ShadowProperty, ScaleFocusAndTimeMakeNoDifference) {
+    const auto mean_of = [](const ShadowSetup& s, double scale) {
+        const ShadowTest test(s);
+        double sum = 0;
+        for (int i = -5; i <= 5; ++i) sum += test.share(0.1 * i * scale) / 11;
+        return sum;
+    };
+    const double as_is = mean_of(half_plane(LightView::Shape::quad, 0.1), 1);
+    for (const double scale : {0.01, 100.0}) {
+        ShadowSetup s = half_plane(LightView::Shape::quad, 0.1);
+        s.d1 *= scale, s.half *= scale, s.reach *= scale, s.focus *= scale;
+        s.occluder =
+            flat_occluder(6 * scale, [=](double x, double, double) { return x < 0.1 * scale; });
+        ShadowTest test(s);
+        double sum = 0;
+        for (int i = -5; i <= 5; ++i) sum += test.share(0.1 * i * scale) / 11;
+        EXPECT_NEAR(sum, as_is, 0.01) << scale;
+    }
+    for (const double focus : {4.0, 20.0, 1e9}) {
+        ShadowSetup s = half_plane(LightView::Shape::quad, 0.1);
+        s.focus = focus;
+        EXPECT_NEAR(mean_of(s, 1), as_is, 0.01) << focus;
+    }
+}
+
+}  // namespace
+}  // namespace weft
