@@ -1,5 +1,6 @@
-// Rows of numbers sorted into bins, as bits: of each row a column a bin, but for the last, as what lies in none of the
-// others lies there. How many samples fall into a pair of bins is then the number of bits that two columns share.
+// Rows of numbers sorted into bins, as bits: of each row a column a bin, but for the last, as what
+// lies in none of the others lies there. How many samples fall into a pair of bins is then the
+// number of bits that two columns share.
 #pragma once
 #include <array>
 #include <cstddef>

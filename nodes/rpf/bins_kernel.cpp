@@ -42,8 +42,10 @@ using B = hn::ScalableTag<std::uint8_t>;
 using W = hn::ScalableTag<std::uint64_t>;
 constexpr size_t word_lanes = hn::MaxLanes(W());
 
-// Of `together` columns with as many others as a vector holds words. Bits are counted in bytes, which hold those of 31 words.
-HWY_INLINE void count_some(const std::uint64_t* const* a, const std::uint64_t* b, size_t pitch, size_t words, std::uint32_t* const* to) {
+// Of `together` columns with as many others as a vector holds words. Bits are counted in bytes,
+// which hold those of 31 words.
+HWY_INLINE void count_some(const std::uint64_t* const* a, const std::uint64_t* b, size_t pitch,
+                           size_t words, std::uint32_t* const* to) {
     constexpr B bytes;
     constexpr W whole;
     hn::Vec<W> sum[together];
@@ -54,7 +56,9 @@ HWY_INLINE void count_some(const std::uint64_t* const* a, const std::uint64_t* b
         for (size_t w = begin; w < std::min(words, begin + 31); ++w) {
             const auto other = hn::LoadU(whole, b + w * pitch);
             for (size_t o = 0; o < together; ++o)
-                bits[o] = hn::Add(bits[o], hn::PopulationCount(hn::BitCast(bytes, hn::And(hn::Set(whole, a[o][w * pitch]), other))));
+                bits[o] =
+                    hn::Add(bits[o], hn::PopulationCount(hn::BitCast(
+                                         bytes, hn::And(hn::Set(whole, a[o][w * pitch]), other))));
         }
         for (size_t o = 0; o < together; ++o) sum[o] = hn::Add(sum[o], hn::SumsOf8(bits[o]));
     }
@@ -67,23 +71,29 @@ HWY_INLINE void count_some(const std::uint64_t* const* a, const std::uint64_t* b
 
 #if defined(__AVX512F__)
 // The same where the processor counts bits itself, which not every one of this level does.
-__attribute__((target("avx512vpopcntdq"))) void count_some_natively(const std::uint64_t* const* a, const std::uint64_t* b, size_t pitch, size_t words,
+__attribute__((target("avx512vpopcntdq"))) void count_some_natively(const std::uint64_t* const* a,
+                                                                    const std::uint64_t* b,
+                                                                    size_t pitch, size_t words,
                                                                     std::uint32_t* const* to) {
     __m512i sum[together];
     for (auto& s : sum) s = _mm512_setzero_si512();
     for (size_t w = 0; w < words; ++w) {
         const __m512i other = _mm512_loadu_si512(b + w * pitch);
         for (size_t o = 0; o < together; ++o)
-            sum[o] = _mm512_add_epi64(sum[o], _mm512_popcnt_epi64(_mm512_and_si512(_mm512_set1_epi64(static_cast<long long>(a[o][w * pitch])), other)));
+            sum[o] = _mm512_add_epi64(
+                sum[o], _mm512_popcnt_epi64(_mm512_and_si512(
+                            _mm512_set1_epi64(static_cast<long long>(a[o][w * pitch])), other)));
     }
-    for (size_t o = 0; o < together; ++o) _mm256_storeu_si256(reinterpret_cast<__m256i*>(to[o]), _mm512_cvtepi64_epi32(sum[o]));
+    for (size_t o = 0; o < together; ++o)
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to[o]), _mm512_cvtepi64_epi32(sum[o]));
 }
 const bool counts_natively = __builtin_cpu_supports("avx512vpopcntdq");
 #endif
 
 }  // namespace
 
-void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns, size_t pitch, std::uint32_t* count) {
+void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns,
+                    size_t pitch, std::uint32_t* count) {
     std::fill_n(count, most_bins, 0u);
     const size_t last = edges.bins - 1;
     float rest[64] = {};
@@ -104,8 +114,8 @@ void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_
     }
 }
 
-void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns, size_t pitch, size_t words, std::uint32_t* counts,
-                  size_t counts_pitch) {
+void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns,
+                  size_t pitch, size_t words, std::uint32_t* counts, size_t counts_pitch) {
     for (size_t i = 0; i < rows; i += together) {
         const std::uint64_t* mine[together];
         std::uint32_t* to[together];

@@ -1,6 +1,7 @@
-// build-vectors: which channels of a sample buffer take part in random parameter filtering, and their numbers side
-// by side. Parts are given by the channels' roles: what a renderer calls random is random, whatever its name.
-// Source: Sen and Darabi 2012, Sec. 3.  Departure: channels that never change are left out, as they have no say.
+// build-vectors: which channels of a sample buffer take part in random parameter filtering, and
+// their numbers side by side. Parts are given by the channels' roles: what a renderer calls random
+// is random, whatever its name. Source: Sen and Darabi 2012, Sec. 3.  Departure: channels that
+// never change are left out, as they have no say.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -16,12 +17,22 @@ struct BuildVectors {
     bool pixels = true;
 
     static void declare(Ports<BuildVectors>& node) {
-        node.about("position, random parameters and features of each sample, side by side: what random parameter filtering goes by")
-            .in<Samples>("samples", "xy, rgb, and what has the role random or feature; read-samples gives all with channels [\"*\"]")
+        node.about(
+                "position, random parameters and features of each sample, side by side: what "
+                "random parameter filtering goes by")
+            .in<Samples>("samples",
+                         "xy, rgb, and what has the role random or feature; read-samples gives all "
+                         "with channels [\"*\"]")
             .out<SampleVectors>("vectors", "a vector a sample")
-            .param("random", &BuildVectors::random, {.about = "random parameters, as uv, t, light_uv; empty: all channels of role 'random'"})
-            .param("features", &BuildVectors::features, {.about = "features, as normal, albedo; empty: all channels of role 'feature'"})
-            .param("pixels", &BuildVectors::pixels, {.about = "find what the samples of each pixel say together, too: bilateral-filter-pixels goes by that"});
+            .param(
+                "random", &BuildVectors::random,
+                {.about =
+                     "random parameters, as uv, t, light_uv; empty: all channels of role 'random'"})
+            .param("features", &BuildVectors::features,
+                   {.about = "features, as normal, albedo; empty: all channels of role 'feature'"})
+            .param("pixels", &BuildVectors::pixels,
+                   {.about = "find what the samples of each pixel say together, too: "
+                             "bilateral-filter-pixels goes by that"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
@@ -38,7 +49,8 @@ struct BuildVectors {
         const auto add = [&](const Channel& channel, Role role) {
             if (role != Role::position && constant(channel, ctx)) return;
             v.channels.push_back(channel.name);
-            for (int k = 0; k < channel.components; ++k) v.components.push_back({role, int(channels.size())});
+            for (int k = 0; k < channel.components; ++k)
+                v.components.push_back({role, int(channels.size())});
             channels.push_back(&channel);
         };
         add(*samples.find("xy"), Role::position);
@@ -51,13 +63,18 @@ struct BuildVectors {
     }
 
   private:
-    static std::vector<const Channel*> chosen(const Samples& samples, const std::vector<std::string>& names, Role role) {
+    static std::vector<const Channel*> chosen(const Samples& samples,
+                                              const std::vector<std::string>& names, Role role) {
         std::vector<const Channel*> found;
         for (const std::string& name : names) {
             const Channel* c = samples.find(name);
             if (!c && is_standard_channel(name)) continue;  // a pinhole has no uv
             if (!c) samples.require("build-vectors", {std::string_view(name)});
-            if (c->whole()) throw Error(fmt::format("'build-vectors' cannot compare {}: it holds whole numbers that name things; ask for another channel", name));
+            if (c->whole())
+                throw Error(
+                    fmt::format("'build-vectors' cannot compare {}: it holds whole numbers that "
+                                "name things; ask for another channel",
+                                name));
             found.push_back(c);
         }
         if (names.empty())
@@ -82,7 +99,8 @@ struct BuildVectors {
     static void fill(const std::vector<const Channel*>& channels, SampleVectors& v, Context& ctx) {
         const size_t n = v.size();
         v.values.resize(n * v.stride + SampleVectors::padding);
-        std::fill(v.values.begin() + std::ptrdiff_t(n * v.stride), v.values.end(), 0.0f);  // kernels compare what they read there
+        std::fill(v.values.begin() + std::ptrdiff_t(n * v.stride), v.values.end(),
+                  0.0f);  // kernels compare what they read there
         std::vector<std::uint8_t> whole(n);
         const auto rgb = v.samples.rgb();
         const size_t broken = ctx.reduce(
@@ -92,7 +110,8 @@ struct BuildVectors {
                 for (size_t i = begin; i < end; ++i) {
                     float* to = &v.values[i * v.stride];
                     float* const last = to + v.stride;
-                    bool finite = std::isfinite(rgb[3 * i]) && std::isfinite(rgb[3 * i + 1]) && std::isfinite(rgb[3 * i + 2]);
+                    bool finite = std::isfinite(rgb[3 * i]) && std::isfinite(rgb[3 * i + 1]) &&
+                                  std::isfinite(rgb[3 * i + 2]);
                     for (const Channel* c : channels)
                         for (size_t k = 0; k < size_t(c->components); ++k, ++to) {
                             *to = c->values[i * size_t(c->components) + k];
@@ -106,10 +125,13 @@ struct BuildVectors {
             },
             [](size_t a, size_t b) { return a + b; });
         if (broken == 0) return;
-        const size_t first = size_t(std::find(whole.begin(), whole.end(), std::uint8_t(0)) - whole.begin());
-        ctx.warn(fmt::format("{} of {} samples hold a feature or random parameter that is not finite, the first is sample {}: they are not filtered, "
-                             "nor is anything filtered by them",
-                             broken, n, first));
+        const size_t first =
+            size_t(std::find(whole.begin(), whole.end(), std::uint8_t(0)) - whole.begin());
+        ctx.warn(
+            fmt::format("{} of {} samples hold a feature or random parameter that is not finite, "
+                        "the first is sample {}: they are not filtered, "
+                        "nor is anything filtered by them",
+                        broken, n, first));
         v.whole = std::move(whole);
     }
 };

@@ -1,5 +1,6 @@
-// clamp-outliers: what a pixel's own samples do not agree on after a filter's pass is taken for an outlier.
-// Source: Sen and Darabi 2012, Sec. 4.4 (HDR clamp), in the forms that it was published in.
+// clamp-outliers: what a pixel's own samples do not agree on after a filter's pass is taken for an
+// outlier. Source: Sen and Darabi 2012, Sec. 4.4 (HDR clamp), in the forms that it was published
+// in.
 #include <algorithm>
 #include <cmath>
 
@@ -21,10 +22,15 @@ struct ClampOutliers {
             .in<SampleColors>("colors", "filtered colours")
             .out<SampleColors>("colors", "the same, outliers less far")
             .choice("rule", &ClampOutliers::rule, {"none", "mean", "upper", "joint"},
-                    {.about = "mean: a value too far becomes the mean, each colour for itself; upper: one too bright becomes the brightest allowed, each "
-                              "colour for itself; joint: a sample with any colour too far becomes the mean in all"})
-            .param("deviations", &ClampOutliers::deviations, {.min = 0, .max = 100, .about = "of the pixel's samples that are allowed"})
-            .param("keep-energy", &ClampOutliers::keep_energy, {.about = "what a pixel loses is given back to all its samples, so that their mean stays"});
+                    {.about = "mean: a value too far becomes the mean, each colour for itself; "
+                              "upper: one too bright becomes the brightest allowed, each "
+                              "colour for itself; joint: a sample with any colour too far becomes "
+                              "the mean in all"})
+            .param("deviations", &ClampOutliers::deviations,
+                   {.min = 0, .max = 100, .about = "of the pixel's samples that are allowed"})
+            .param("keep-energy", &ClampOutliers::keep_energy,
+                   {.about = "what a pixel loses is given back to all its samples, so that their "
+                             "mean stays"});
     }
 
     void batch(const Inputs& in, Outputs& out) const {
@@ -36,7 +42,8 @@ struct ClampOutliers {
         to.effective = from.effective;
         to.rgb = from.rgb;
         if (rule == Rule::none) return;
-        for (size_t p = 0; p < to.own_pixels.size(); ++p) clamp(&to.rgb[0] + 3 * to.own_offset[p], to.own_offset[p + 1] - to.own_offset[p]);
+        for (size_t p = 0; p < to.own_pixels.size(); ++p)
+            clamp(&to.rgb[0] + 3 * to.own_offset[p], to.own_offset[p + 1] - to.own_offset[p]);
     }
 
   private:
@@ -47,7 +54,8 @@ struct ClampOutliers {
             float sum = 0, squares = 0;
             for (size_t i = 0; i < n; ++i) sum += rgb[3 * i + c];
             mean[c] = sum / float(n);
-            for (size_t i = 0; i < n; ++i) squares += (rgb[3 * i + c] - mean[c]) * (rgb[3 * i + c] - mean[c]);
+            for (size_t i = 0; i < n; ++i)
+                squares += (rgb[3 * i + c] - mean[c]) * (rgb[3 * i + c] - mean[c]);
             far[c] = deviations * std::sqrt(squares / float(n - 1));
         }
         for (size_t i = 0; i < n; ++i) {

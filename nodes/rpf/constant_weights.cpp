@@ -1,6 +1,6 @@
-// constant-weights: the same weights everywhere, in place of dependency-estimate: (alpha, beta) = (0, 0) blurs, (1, 0) is
-// a bilateral filter of colours, (0, 1) a cross-bilateral filter of features, (1, 1) both.
-// Source: Sen and Darabi 2012, Fig. 8 (the ablation).
+// constant-weights: the same weights everywhere, in place of dependency-estimate: (alpha, beta) =
+// (0, 0) blurs, (1, 0) is a bilateral filter of colours, (0, 1) a cross-bilateral filter of
+// features, (1, 1) both. Source: Sen and Darabi 2012, Fig. 8 (the ablation).
 #include "rpf/streams.h"
 #include "runtime/node.h"
 
@@ -14,9 +14,16 @@ struct ConstantWeights {
         node.about("one weight for all colours and one for all features, whatever they depend on")
             .in<Neighbourhoods>("neighbourhoods", "normalised samples")
             .out<Weights>("weights", "the same for all blocks")
-            .param("alpha", &ConstantWeights::alpha, {.min = 0, .max = 1e6, .about = "of each colour"})
-            .param("beta", &ConstantWeights::beta, {.min = 0, .max = 1e6, .about = "of each feature"})
-            .param("w-random", &ConstantWeights::w_random, {.min = 0, .max = 1, .about = "W_c^r: how much of the colour is taken for noise, which widens the filter"});
+            .param("alpha", &ConstantWeights::alpha,
+                   {.min = 0, .max = 1e6, .about = "of each colour"})
+            .param("beta", &ConstantWeights::beta,
+                   {.min = 0, .max = 1e6, .about = "of each feature"})
+            .param(
+                "w-random", &ConstantWeights::w_random,
+                {.min = 0,
+                 .max = 1,
+                 .about =
+                     "W_c^r: how much of the colour is taken for noise, which widens the filter"});
     }
     void batch(const Inputs& in, Outputs& out) const {
         const Neighbourhoods& n = in.get<Neighbourhoods>("neighbourhoods");

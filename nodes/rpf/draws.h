@@ -1,5 +1,5 @@
-// Which samples around a block are looked at: places drawn from a Gaussian around it, which is the screen term of the
-// bilateral filter, so that near samples count more by being drawn more often.
+// Which samples around a block are looked at: places drawn from a Gaussian around it, which is the
+// screen term of the bilateral filter, so that near samples count more by being drawn more often.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -9,28 +9,33 @@
 namespace weft::rpf {
 
 enum class DrawRule {
-    stratified,  // one well-spread set of places for all blocks, mirrored by chance: no sample twice
-    gaussian,    // independent; each time any sample of the pixel, so repeats happen; drawn again outside box and picture
-    distinct,    // independent, lost outside the box; no sample twice, but always the same first ones of a pixel
+    stratified,  // one well-spread set of places for all blocks, mirrored by chance: no sample
+                 // twice
+    gaussian,    // independent; each time any sample of the pixel, so repeats happen; drawn again
+                 // outside box and picture
+    distinct,  // independent, lost outside the box; no sample twice, but always the same first ones
+               // of a pixel
 };
 
 struct DrawSettings {
     DrawRule rule = DrawRule::stratified;
-    int box = 55;        // px
-    size_t draws = 0;    // of a neighbourhood
-    float sigma = 14;    // px
-    int spp = 1;         // the largest number of samples that one pixel may give
+    int box = 55;      // px
+    size_t draws = 0;  // of a neighbourhood
+    float sigma = 14;  // px
+    int spp = 1;       // the largest number of samples that one pixel may give
     std::uint64_t seed = 1;
 };
 
-// Of a place `dx`, `dy` from the block's middle the sample `turn` after the one that chance begins with.
+// Of a place `dx`, `dy` from the block's middle the sample `turn` after the one that chance begins
+// with.
 struct Offset {
     std::int16_t dx, dy;
     std::uint32_t turn;
 };
 
-// What is drawn for all blocks: for `stratified` the set of places, sorted by rows, else a long run of draws to start
-// somewhere in: which cells of the box they fall into, counted row by row, the one past the last being outside.
+// What is drawn for all blocks: for `stratified` the set of places, sorted by rows, else a long run
+// of draws to start somewhere in: which cells of the box they fall into, counted row by row, the
+// one past the last being outside.
 struct Places {
     std::vector<Offset> offsets;
     std::vector<std::uint16_t> cells;

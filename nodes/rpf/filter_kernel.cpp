@@ -1,4 +1,5 @@
-// The bilateral filter over samples: each of a block's own becomes the mean of its neighbourhood, by likeness.
+// The bilateral filter over samples: each of a block's own becomes the mean of its neighbourhood,
+// by likeness.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +10,9 @@ namespace weft::rpf::WEFT_ISA {
 namespace {
 
 // e^-x for any x >= 0; what is past 80 is as good as nothing.
-HWY_INLINE VF falling(VF x) { return exp_of_minus(hn::Min(x, hn::Set(f, 80.0f))); }
+HWY_INLINE VF falling(VF x) {
+    return exp_of_minus(hn::Min(x, hn::Set(f, 80.0f)));
+}
 
 constexpr size_t together = lanes == 16 ? 8 : 4;  // own samples, as many as there are registers for
 
@@ -29,10 +32,11 @@ HWY_INLINE void distances(const float* rows, size_t pitch, std::span<const std::
 
 }  // namespace
 
-void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb, const Likeness& likeness,
-            FilterScratch& scratch, SampleColors& out) {
+void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb,
+            const Likeness& likeness, FilterScratch& scratch, SampleColors& out) {
     const size_t n = around.samples(), own = around.own(), pitch = around.pitch;
-    // Rows that count, each times the root of its weight, so that the loop over pairs only squares and adds.
+    // Rows that count, each times the root of its weight, so that the loop over pairs only squares
+    // and adds.
     scratch.features.clear();
     scratch.colors.clear();
     size_t used = 0;
@@ -43,8 +47,10 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
         const VF root = hn::Set(f, std::sqrt(factor));
         const float* from = around.row(k);
         float* to = &scratch.rows[used * pitch];
-        for (size_t j = 0; j < pitch; j += lanes) hn::StoreU(hn::Mul(hn::LoadU(f, from + j), root), f, to + j);
-        (k >= around.color_row(0) ? scratch.colors : scratch.features).push_back(std::uint32_t(used++));
+        for (size_t j = 0; j < pitch; j += lanes)
+            hn::StoreU(hn::Mul(hn::LoadU(f, from + j), root), f, to + j);
+        (k >= around.color_row(0) ? scratch.colors : scratch.features)
+            .push_back(std::uint32_t(used++));
     }
     for (std::vector<float>* plane : {&scratch.r, &scratch.g, &scratch.b}) {
         plane->resize(pitch);
@@ -62,15 +68,18 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
         std::uint32_t index[together];
         for (size_t o = 0; o < together; ++o) index[o] = std::uint32_t(std::min(i + o, own - 1));
         VF sum_w[together], sum_ww[together], sum_r[together], sum_g[together], sum_b[together];
-        for (size_t o = 0; o < together; ++o) sum_w[o] = sum_ww[o] = sum_r[o] = sum_g[o] = sum_b[o] = zero;
+        for (size_t o = 0; o < together; ++o)
+            sum_w[o] = sum_ww[o] = sum_r[o] = sum_g[o] = sum_b[o] = zero;
         for (size_t j = 0; j < n; j += lanes) {
             VF features[together], colors[together];
             distances(scratch.rows.data(), pitch, scratch.features, index, j, features);
             distances(scratch.rows.data(), pitch, scratch.colors, index, j, colors);
             const auto there = hn::FirstN(f, std::min(lanes, n - j));
-            const VF r = hn::LoadU(f, &scratch.r[j]), g = hn::LoadU(f, &scratch.g[j]), b = hn::LoadU(f, &scratch.b[j]);
+            const VF r = hn::LoadU(f, &scratch.r[j]), g = hn::LoadU(f, &scratch.g[j]),
+                     b = hn::LoadU(f, &scratch.b[j]);
             for (size_t o = 0; o < together; ++o) {
-                const auto near = hn::And(there, hn::And(hn::Lt(features[o], cutoff), hn::Lt(colors[o], cutoff)));
+                const auto near =
+                    hn::And(there, hn::And(hn::Lt(features[o], cutoff), hn::Lt(colors[o], cutoff)));
                 if (hn::AllFalse(f, near)) continue;
                 const VF w = hn::IfThenElseZero(near, falling(hn::Add(features[o], colors[o])));
                 sum_w[o] = hn::Add(sum_w[o], w);

@@ -1,7 +1,8 @@
-// The kernels of random parameter filtering: plain functions over arrays, built for each instruction set
-// (WEFT_PICK(accept)(...), runtime/isa.h). What each must give is said by scalar forms in tests/rpf/reference_kernels.h.
-// Rows are numbers of the samples of a neighbourhood, `pitch` apart, 0 from n to whole vectors.
-// Cost: no allocation once buffers have grown.  Threads: each call touches its own outputs only.
+// The kernels of random parameter filtering: plain functions over arrays, built for each
+// instruction set (WEFT_PICK(accept)(...), runtime/isa.h). What each must give is said by scalar
+// forms in tests/rpf/reference_kernels.h. Rows are numbers of the samples of a neighbourhood,
+// `pitch` apart, 0 from n to whole vectors. Cost: no allocation once buffers have grown.  Threads:
+// each call touches its own outputs only.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +16,8 @@
 
 namespace weft::rpf {
 
-// How like two samples are: of features and colours apart, squared differences of normalised numbers, weighted.
+// How like two samples are: of features and colours apart, squared differences of normalised
+// numbers, weighted.
 struct Likeness {
     float scale = 1;   // of both sums, before they become exponents: (1 - W_c^r)^2 / (2 sigma^2)
     float cutoff = 6;  // of either exponent: where it is reached the weight is 0
@@ -28,16 +30,18 @@ struct FilterScratch {
 
 // How like two pixels are: distances of their means, noise taken off.
 //   ((a - b)^2 - (va + min(va, vb))) / (e + k^2 (va + vb))
-// of colours the mean of the three, over a patch of 3 x 3 pixels; of features the sum over their components, with e from
-// what they change by over `slope` pixels and at least by `least` deviations of the picture.
-// Source: Rousselle, Knaus and Zwicker 2012 (the distance), 2013 (of features).
+// of colours the mean of the three, over a patch of 3 x 3 pixels; of features the sum over their
+// components, with e from what they change by over `slope` pixels and at least by `least`
+// deviations of the picture. Source: Rousselle, Knaus and Zwicker 2012 (the distance), 2013 (of
+// features).
 struct PixelLikeness {
     int radius = 7;   // px: pixels (2 radius + 1)^2 are compared
     float sigma = 3;  // px, deviation of the spatial Gaussian
     float k_color = 0.5f, k_features = 2, slope = 4, least = 0.02f;
 
     size_t side() const { return size_t(2 * radius + 1); }
-    // Weights lie in rows of offsets dx = -radius ..., this far apart; those past a row's end are 0.
+    // Weights lie in rows of offsets dx = -radius ..., this far apart; those past a row's end are
+    // 0.
     size_t pitch() const { return (side() + 15) / 16 * 16; }
     size_t size() const { return side() * pitch(); }
 };
@@ -46,36 +50,43 @@ struct PixelScratch {
 };
 
 // What of a kernel is built for each instruction set.
-#define WEFT_RPF_KERNELS                                                                                               \
-    /* The candidates whose vectors lie within `bound` of `centre` in every component: their number, in order. */     \
-    size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates, const float* centre,       \
-                  const float* bound, std::uint32_t* accepted);                                                        \
-    /* Numbers that lie side by side in records, some of which are chosen, side by side in rows instead. */           \
-    void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t pitch, float* rows); \
-    /* Each row to mean 0 and deviation 1 over its n numbers; 0 where it is constant. */                               \
-    void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale, float* low, float* high); \
-    /* Which samples of a row fall into each bin but the last, as bits: columns that lie side by side, `pitch` from */ \
-    /* word to word; and how many fall into each. */                                                                  \
-    void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns, size_t pitch,          \
-                        std::uint32_t* count);                                                                         \
-    /* How many bits each of some columns shares with each of others: those of a from one to the next of b. Reads and */ \
-    /* writes up to whole multiples of 8 columns of b. */                                                              \
-    void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns, size_t pitch,       \
-                      size_t words, std::uint32_t* counts, size_t counts_pitch);                                       \
-    /* Colours of a neighbourhood's own samples, filtered from those of all, and of how many. */                      \
-    void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb, const Likeness& likeness,      \
-                FilterScratch& scratch, SampleColors& out);                                                            \
-    /* Of each pixel of a block the weights of those around it: block pixels x by.size(). */                           \
-    void weigh_pixels(const SampleVectors& vectors, PixelBlock block, const Weights& weights, const PixelLikeness& by, \
-                      PixelScratch& scratch, std::vector<float>& out);                                                 \
-    /* The mean colour of the pixels around (x, y) by their weights. */                                                \
-    void average_pixels(const SampleVectors& vectors, int x, int y, const PixelLikeness& by, const float* weights,     \
-                        float* rgb, float* effective);                                                                 \
-    /* That of their samples' colours, each also by the likeness of its features to those of sample `own`: factors */  \
-    /* times differences, squared, are exponents. */                                                                   \
-    void average_samples(const SampleVectors& vectors, const float* colors, std::uint32_t own, int x, int y,           \
-                         const PixelLikeness& by, const float* weights, std::span<const float> factors, float* rgb,    \
-                         float* effective);
+#define WEFT_RPF_KERNELS                                                                           \
+    /* The candidates whose vectors lie within `bound` of `centre` in every component: their       \
+     * number, in order. */                                                                        \
+    size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,         \
+                  const float* centre, const float* bound, std::uint32_t* accepted);               \
+    /* Numbers that lie side by side in records, some of which are chosen, side by side in rows    \
+     * instead. */                                                                                 \
+    void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which,        \
+                 size_t pitch, float* rows);                                                       \
+    /* Each row to mean 0 and deviation 1 over its n numbers; 0 where it is constant. */           \
+    void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale,   \
+                   float* low, float* high);                                                       \
+    /* Which samples of a row fall into each bin but the last, as bits: columns that lie side by   \
+     * side, `pitch` from */                                                                       \
+    /* word to word; and how many fall into each. */                                               \
+    void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns,    \
+                        size_t pitch, std::uint32_t* count);                                       \
+    /* How many bits each of some columns shares with each of others: those of a from one to the   \
+     * next of b. Reads and */                                                                     \
+    /* writes up to whole multiples of 8 columns of b. */                                          \
+    void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns, \
+                      size_t pitch, size_t words, std::uint32_t* counts, size_t counts_pitch);     \
+    /* Colours of a neighbourhood's own samples, filtered from those of all, and of how many. */   \
+    void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb,            \
+                const Likeness& likeness, FilterScratch& scratch, SampleColors& out);              \
+    /* Of each pixel of a block the weights of those around it: block pixels x by.size(). */       \
+    void weigh_pixels(const SampleVectors& vectors, PixelBlock block, const Weights& weights,      \
+                      const PixelLikeness& by, PixelScratch& scratch, std::vector<float>& out);    \
+    /* The mean colour of the pixels around (x, y) by their weights. */                            \
+    void average_pixels(const SampleVectors& vectors, int x, int y, const PixelLikeness& by,       \
+                        const float* weights, float* rgb, float* effective);                       \
+    /* That of their samples' colours, each also by the likeness of its features to those of       \
+     * sample `own`: factors */                                                                    \
+    /* times differences, squared, are exponents. */                                               \
+    void average_samples(const SampleVectors& vectors, const float* colors, std::uint32_t own,     \
+                         int x, int y, const PixelLikeness& by, const float* weights,              \
+                         std::span<const float> factors, float* rgb, float* effective);
 
 namespace v2 {
 WEFT_RPF_KERNELS

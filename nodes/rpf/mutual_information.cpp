@@ -20,7 +20,8 @@ Edges spanned_edges(float low, float high) {
     const auto last = std::int64_t(std::min(std::round(high) - first, 1e6f));
     Edges e{{}, size_t(std::min<std::int64_t>(last + 1, most_bins))};
     for (size_t b = 1; b < e.bins; ++b) {
-        const std::int64_t q = last < std::int64_t(most_bins) ? std::int64_t(b) : (std::int64_t(b) * last + 8) / 9;
+        const std::int64_t q =
+            last < std::int64_t(most_bins) ? std::int64_t(b) : (std::int64_t(b) * last + 8) / 9;
         e.edge[b - 1] = first + float(q) - 0.5f;
     }
     return e;
@@ -32,7 +33,8 @@ Edges rank_edges(const float* row, size_t n, size_t bins, std::vector<float>& sc
     Edges e;
     for (size_t b = 1; b < bins; ++b) {
         const float edge = scratch[b * n / bins];
-        if (edge > scratch[0] && (e.bins == 1 || edge > e.edge[e.bins - 2])) e.edge[e.bins++ - 1] = edge;
+        if (edge > scratch[0] && (e.bins == 1 || edge > e.edge[e.bins - 2]))
+            e.edge[e.bins++ - 1] = edge;
     }
     return e;
 }
@@ -50,15 +52,18 @@ void shift(const BinnedRows& from, size_t by, BinnedRows& to) {
             }
 }
 
-Edges find_edges(const NumberRow& row, size_t n, Binning binning, size_t bins, std::vector<float>& scratch) {
+Edges find_edges(const NumberRow& row, size_t n, Binning binning, size_t bins,
+                 std::vector<float>& scratch) {
     if (!(row.low < row.high)) return {};
     if (binning == Binning::centered) return centered_edges(bins);
-    return binning == Binning::spanned ? spanned_edges(row.low, row.high) : rank_edges(row.numbers, n, bins, scratch);
+    return binning == Binning::spanned ? spanned_edges(row.low, row.high)
+                                       : rank_edges(row.numbers, n, bins, scratch);
 }
 
 }  // namespace
 
-void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_t bins, BinnedRows& sorted) {
+void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_t bins,
+               BinnedRows& sorted) {
     sorted.rows.resize(rows.size());
     size_t columns = 0;
     for (size_t i = 0; i < rows.size(); ++i) {
@@ -72,7 +77,9 @@ void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_
     sorted.pitch = columns;
     sorted.bits.resize(sorted.words * sorted.pitch + BinnedRows::padding);
     for (size_t i = 0; i < rows.size(); ++i)
-        WEFT_PICK(sort_into_bins)(rows[i].numbers, n, sorted.rows[i].edges, &sorted.bits[sorted.rows[i].first], sorted.pitch, sorted.rows[i].count.data());
+        WEFT_PICK(sort_into_bins)
+        (rows[i].numbers, n, sorted.rows[i].edges, &sorted.bits[sorted.rows[i].first], sorted.pitch,
+         sorted.rows[i].count.data());
 }
 
 void MutualInformation::grow_table(size_t n) {
@@ -96,11 +103,14 @@ void MutualInformation::count(const BinnedRows& x, Range of_x, const BinnedRows&
     const size_t rows = x.end(of_x.end - 1) - first_x, columns = y.end(of_y.end - 1) - first_y;
     pitch_ = (columns + BinnedRows::padding - 1) / BinnedRows::padding * BinnedRows::padding;
     counts_.resize(rows * pitch_);
-    WEFT_PICK(count_common)(x.column(first_x), rows, y.column(first_y), columns, x.pitch, x.words, counts_.data(), pitch_);
+    WEFT_PICK(count_common)
+    (x.column(first_x), rows, y.column(first_y), columns, x.pitch, x.words, counts_.data(), pitch_);
 }
 
 // The sum over cells, less those of margins. Cells of the last bins are what the others leave.
-std::int64_t MutualInformation::raw(const BinnedRows::Row& x, const BinnedRows::Row& y, const std::uint32_t* counts, size_t samples, size_t& occupied) const {
+std::int64_t MutualInformation::raw(const BinnedRows::Row& x, const BinnedRows::Row& y,
+                                    const std::uint32_t* counts, size_t samples,
+                                    size_t& occupied) const {
     const std::int64_t* table = table_.data();
     const size_t last_x = x.bins() - 1, last_y = y.bins() - 1;
     std::array<std::uint32_t, most_bins> left = y.count;
@@ -126,7 +136,8 @@ std::int64_t MutualInformation::raw(const BinnedRows::Row& x, const BinnedRows::
     return sum;
 }
 
-void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y, std::vector<double>& information) {
+void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y,
+                                   std::vector<double>& information) {
     information.assign(x.size() * y.size(), 0.0);
     if (information.empty() || rows.samples == 0) return;
     grow_table(rows.samples);
@@ -140,13 +151,20 @@ void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y, std
             for (size_t j = y.begin; j < y.end; ++j) {
                 const Margin &mx = margins_[i], &my = margins_[j];
                 if (mx.occupied < 2 || my.occupied < 2) continue;
-                const std::uint32_t* counts = &counts_[(rows.rows[i].first - rows.rows[x.begin].first) * pitch_ + rows.rows[j].first - rows.rows[y.begin].first];
+                const std::uint32_t* counts =
+                    &counts_[(rows.rows[i].first - rows.rows[x.begin].first) * pitch_ +
+                             rows.rows[j].first - rows.rows[y.begin].first];
                 size_t occupied;
-                const std::int64_t sum = raw(rows.rows[i], rows.rows[j], counts, rows.samples, occupied) - mx.n_log_n - my.n_log_n;
+                const std::int64_t sum =
+                    raw(rows.rows[i], rows.rows[j], counts, rows.samples, occupied) - mx.n_log_n -
+                    my.n_log_n;
                 const double found = double(sum) * 0x1p-32 / samples;
                 double bias = 0;
-                if (correction_ == Correction::miller_madow) bias = (double(occupied) - double(mx.occupied + my.occupied) + 1) / (2 * samples);
-                if (correction_ == Correction::asymptotic) bias = double(mx.occupied - 1) * double(my.occupied - 1) / (2 * samples);
+                if (correction_ == Correction::miller_madow)
+                    bias =
+                        (double(occupied) - double(mx.occupied + my.occupied) + 1) / (2 * samples);
+                if (correction_ == Correction::asymptotic)
+                    bias = double(mx.occupied - 1) * double(my.occupied - 1) / (2 * samples);
                 information[(i - x.begin) * y.size() + j - y.begin] += part * (found - bias);
             }
     };

@@ -1,5 +1,5 @@
-// Mutual information of rows of numbers from their joint histograms: how far one tells of the other, in nats; 0 where
-// they are independent.
+// Mutual information of rows of numbers from their joint histograms: how far one tells of the
+// other, in nats; 0 where they are independent.
 //   I = sum over cells n_xy / N ln(n_xy N / (n_x n_y))
 // Sums are of whole numbers (n ln n in steps of 2^-32), so that their order does not matter.
 // Source: Sen and Darabi 2012, Sec. 3.2 (histograms); Miller 1955 (bias).
@@ -31,7 +31,8 @@ struct NumberRow {
 };
 
 // The bins of rows of n numbers. A row of one value has one bin.
-void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_t bins, BinnedRows& sorted);
+void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_t bins,
+               BinnedRows& sorted);
 
 class MutualInformation {
   public:
@@ -39,7 +40,8 @@ class MutualInformation {
         size_t begin, end;  // rows
         size_t size() const { return end - begin; }
     };
-    explicit MutualInformation(Correction correction = Correction::none) : correction_(correction) {}
+    explicit MutualInformation(Correction correction = Correction::none)
+        : correction_(correction) {}
     // Of each row of x with each of y, those of y side by side.
     void operator()(const BinnedRows& rows, Range x, Range y, std::vector<double>& information);
 
@@ -52,7 +54,8 @@ class MutualInformation {
     void grow_table(size_t n);
     Margin margin_of(const BinnedRows::Row& row) const;
     void count(const BinnedRows& x, Range of_x, const BinnedRows& y, Range of_y);
-    std::int64_t raw(const BinnedRows::Row& x, const BinnedRows::Row& y, const std::uint32_t* counts, size_t samples, size_t& occupied) const;
+    std::int64_t raw(const BinnedRows::Row& x, const BinnedRows::Row& y,
+                     const std::uint32_t* counts, size_t samples, size_t& occupied) const;
 
     Correction correction_;
     std::vector<std::int64_t> table_;    // n ln n

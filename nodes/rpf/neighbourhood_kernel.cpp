@@ -12,7 +12,8 @@ namespace weft::rpf::WEFT_ISA {
 namespace {
 
 // Records lie too far apart for the processor to see them coming.
-HWY_INLINE void fetch(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t i) {
+HWY_INLINE void fetch(const float* records, size_t stride, std::span<const std::uint32_t> which,
+                      size_t i) {
     constexpr size_t ahead = 16, line = 16;
     const float* next = records + size_t(which[std::min(i + ahead, which.size() - 1)]) * stride;
     for (size_t k = 0; k < stride; k += line) hwy::Prefetch(next + k);
@@ -21,8 +22,8 @@ HWY_INLINE void fetch(const float* records, size_t stride, std::span<const std::
 }  // namespace
 
 // One comparison of whole vectors, features first: what is not clustered has an infinite bound.
-size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates, const float* centre,
-              const float* bound, std::uint32_t* accepted) {
+size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,
+              const float* centre, const float* bound, std::uint32_t* accepted) {
     size_t first = vectors.components.size(), last = 0;
     for (size_t k = 0; k < vectors.components.size(); ++k)
         if (!(bound[k] > 3e38f)) {
@@ -38,12 +39,15 @@ size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candi
         }
     };
     const auto within = [&](const float* of, size_t k) HWY_ATTR {
-        return hn::Le(hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k))), hn::LoadU(f, bound + k));
+        return hn::Le(hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k))),
+                      hn::LoadU(f, bound + k));
     };
     if (last <= first + lanes) {
         take([&](const float* of) HWY_ATTR { return hn::AllTrue(f, within(of, first)); });
     } else if (last <= first + 2 * lanes) {
-        take([&](const float* of) HWY_ATTR { return hn::AllTrue(f, hn::And(within(of, first), within(of, first + lanes))); });
+        take([&](const float* of) HWY_ATTR {
+            return hn::AllTrue(f, hn::And(within(of, first), within(of, first + lanes)));
+        });
     } else {
         take([&](const float* of) HWY_ATTR {
             bool inside = true;
@@ -76,8 +80,10 @@ HWY_INLINE hn::Vec<Records> numbers(const float* const* of, size_t i, size_t k) 
 
 }  // namespace
 
-// Blocks of records by four numbers at a time: what lies side by side in a record comes to lie side by side in a row.
-void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which, size_t pitch, float* rows) {
+// Blocks of records by four numbers at a time: what lies side by side in a record comes to lie side
+// by side in a row.
+void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which,
+             size_t pitch, float* rows) {
     const hn::Repartition<double, Records> pairs;
     const auto of = [&](size_t i) { return records + size_t(which[i]) * stride; };
     const size_t n = which.size(), whole = n / records_at_once * records_at_once;
@@ -86,18 +92,24 @@ void lay_out(const float* records, size_t stride, std::span<const std::uint32_t>
         for (size_t j = 0; j < records_at_once; ++j) block[j] = of(i + j);
         float* to = rows + i;
         for (size_t k = 0; k < stride; k += 4, to += 4 * pitch) {
-            const auto a = numbers(block, 0, k), b = numbers(block, 1, k), c = numbers(block, 2, k), d = numbers(block, 3, k);
-            const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(part, a, b)), ab1 = hn::BitCast(pairs, hn::InterleaveUpper(part, a, b));
-            const auto cd0 = hn::BitCast(pairs, hn::InterleaveLower(part, c, d)), cd1 = hn::BitCast(pairs, hn::InterleaveUpper(part, c, d));
+            const auto a = numbers(block, 0, k), b = numbers(block, 1, k), c = numbers(block, 2, k),
+                       d = numbers(block, 3, k);
+            const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(part, a, b)),
+                       ab1 = hn::BitCast(pairs, hn::InterleaveUpper(part, a, b));
+            const auto cd0 = hn::BitCast(pairs, hn::InterleaveLower(part, c, d)),
+                       cd1 = hn::BitCast(pairs, hn::InterleaveUpper(part, c, d));
             hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab0, cd0)), part, to);
             hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab0, cd0)), part, to + pitch);
-            hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab1, cd1)), part, to + 2 * pitch);
-            hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab1, cd1)), part, to + 3 * pitch);
+            hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab1, cd1)), part,
+                       to + 2 * pitch);
+            hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab1, cd1)), part,
+                       to + 3 * pitch);
         }
     }
     for (size_t i = whole; i < n; ++i)
         for (size_t k = 0; k < stride; ++k) rows[k * pitch + i] = of(i)[k];
-    for (size_t row = 0; row < stride; ++row) std::fill(rows + row * pitch + n, rows + (row + 1) * pitch, 0.0f);
+    for (size_t row = 0; row < stride; ++row)
+        std::fill(rows + row * pitch + n, rows + (row + 1) * pitch, 0.0f);
 }
 
 namespace {
@@ -106,12 +118,14 @@ namespace {
 constexpr size_t rows_at_once = 4;
 
 template <size_t rows>
-HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* scale, float* low, float* high) {
+HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* scale, float* low,
+                               float* high) {
     // Vector by vector; of the last those numbers that there are.
     const auto each = [&](auto&& step) HWY_ATTR {
         size_t i = 0;
         for (; i + lanes <= n; i += lanes) step(i, [](VF v) HWY_ATTR { return v; });
-        if (i < n) step(i, [&](VF v) HWY_ATTR { return hn::IfThenElseZero(hn::FirstN(f, n - i), v); });
+        if (i < n)
+            step(i, [&](VF v) HWY_ATTR { return hn::IfThenElseZero(hn::FirstN(f, n - i), v); });
     };
     // Moved by its first number, so that sums keep their digits where a row hardly varies.
     VF base[rows], sum[rows], least[rows], most[rows];
@@ -149,16 +163,21 @@ HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* 
         low[r] = (hn::GetLane(hn::MinOfLanes(f, least[r])) - off[r]) * scale[r];
         high[r] = (hn::GetLane(hn::MaxOfLanes(f, most[r])) - off[r]) * scale[r];
         const VF by = hn::Set(f, scale[r]);
-        each([&](size_t i, auto&& present) HWY_ATTR { hn::StoreU(present(hn::Mul(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]), by)), f, row[r] + i); });
+        each([&](size_t i, auto&& present) HWY_ATTR {
+            hn::StoreU(present(hn::Mul(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]), by)), f,
+                       row[r] + i);
+        });
     }
 }
 
 }  // namespace
 
-void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale, float* low, float* high) {
+void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale,
+               float* low, float* high) {
     size_t k = 0;
     for (; k + rows_at_once <= count; k += rows_at_once) {
-        float* const row[rows_at_once] = {rows + k * pitch, rows + (k + 1) * pitch, rows + (k + 2) * pitch, rows + (k + 3) * pitch};
+        float* const row[rows_at_once] = {rows + k * pitch, rows + (k + 1) * pitch,
+                                          rows + (k + 2) * pitch, rows + (k + 3) * pitch};
         normalise_some<rows_at_once>(row, n, mean + k, scale + k, low + k, high + k);
     }
     for (; k < count; ++k) {

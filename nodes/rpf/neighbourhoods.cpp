@@ -1,7 +1,7 @@
-// neighbourhoods: the samples around each block of pixels that are enough like its own: what dependence is estimated
-// from, and what the filter averages.
-// Source: Sen and Darabi 2012, Sec. 4.1 (draw), Algorithm 2 (clustering).  Departures: the draw may be a fixed well-spread
-// set; a block may be more than one pixel.
+// neighbourhoods: the samples around each block of pixels that are enough like its own: what
+// dependence is estimated from, and what the filter averages. Source: Sen and Darabi 2012, Sec. 4.1
+// (draw), Algorithm 2 (clustering).  Departures: the draw may be a fixed well-spread set; a block
+// may be more than one pixel.
 #include <cmath>
 #include <limits>
 
@@ -25,23 +25,53 @@ struct NeighbourhoodsNode {
     std::uint64_t seed = 1;
 
     static void declare(Ports<NeighbourhoodsNode>& node) {
-        node.about("the samples around each block of pixels, normalised. In pixels of fewer than 4 samples what is near is judged by those of 3 x 3 pixels")
+        node.about(
+                "the samples around each block of pixels, normalised. In pixels of fewer than 4 "
+                "samples what is near is judged by those of 3 x 3 pixels")
             .in<SampleVectors>("vectors", "position, random parameters and features of each sample")
             .out<Neighbourhoods>("neighbourhoods", "a block and its neighbours a batch")
-            .param("box", &NeighbourhoodsNode::box, {.unit = "px", .min = 1, .max = 255, .about = "side of the square around the block"})
-            .param("draws", &NeighbourhoodsNode::draws, {.min = 0, .max = 1 << 18, .about = "samples looked at; 0: 'fraction' of those in the box"})
-            .param("fraction", &NeighbourhoodsNode::fraction, {.min = 0.001, .max = 8, .about = "of the samples in the box that are looked at"})
-            .param("sigma", &NeighbourhoodsNode::sigma, {.unit = "box", .min = 0.05, .max = 4, .about = "deviation of the Gaussian they are drawn by"})
+            .param("box", &NeighbourhoodsNode::box,
+                   {.unit = "px",
+                    .min = 1,
+                    .max = 255,
+                    .about = "side of the square around the block"})
+            .param("draws", &NeighbourhoodsNode::draws,
+                   {.min = 0,
+                    .max = 1 << 18,
+                    .about = "samples looked at; 0: 'fraction' of those in the box"})
+            .param(
+                "fraction", &NeighbourhoodsNode::fraction,
+                {.min = 0.001, .max = 8, .about = "of the samples in the box that are looked at"})
+            .param("sigma", &NeighbourhoodsNode::sigma,
+                   {.unit = "box",
+                    .min = 0.05,
+                    .max = 4,
+                    .about = "deviation of the Gaussian they are drawn by"})
             .choice("draw", &NeighbourhoodsNode::draw_rule, {"stratified", "gaussian", "distinct"},
-                    {.about = "stratified: one well-spread set of places, mirrored by chance; gaussian: independent, repeats and all; distinct: "
+                    {.about = "stratified: one well-spread set of places, mirrored by chance; "
+                              "gaussian: independent, repeats and all; distinct: "
                               "independent, a pixel's first samples and none twice"})
-            .param("block", &NeighbourhoodsNode::block, {.unit = "px", .min = 1, .max = 8, .about = "side of the block of pixels that share a neighbourhood"})
-            .param("cluster", &NeighbourhoodsNode::cluster, {.about = "leave out samples whose features are far from the block's own"})
-            .choice("cluster-on", &NeighbourhoodsNode::cluster_on, {"all", "first-hit"}, {.about = "features that decide this; first-hit: not those whose name ends in 2"})
-            .param("cluster-sigma", &NeighbourhoodsNode::cluster_sigma, {.min = 0, .max = 1e6, .about = "deviations of the block's own that a feature may be off"})
-            .param("position-sigma", &NeighbourhoodsNode::position_sigma, {.min = 0, .max = 1e6, .about = "the same of world positions, which always vary"})
+            .param("block", &NeighbourhoodsNode::block,
+                   {.unit = "px",
+                    .min = 1,
+                    .max = 8,
+                    .about = "side of the block of pixels that share a neighbourhood"})
+            .param("cluster", &NeighbourhoodsNode::cluster,
+                   {.about = "leave out samples whose features are far from the block's own"})
+            .choice(
+                "cluster-on", &NeighbourhoodsNode::cluster_on, {"all", "first-hit"},
+                {.about = "features that decide this; first-hit: not those whose name ends in 2"})
+            .param("cluster-sigma", &NeighbourhoodsNode::cluster_sigma,
+                   {.min = 0,
+                    .max = 1e6,
+                    .about = "deviations of the block's own that a feature may be off"})
+            .param(
+                "position-sigma", &NeighbourhoodsNode::position_sigma,
+                {.min = 0, .max = 1e6, .about = "the same of world positions, which always vary"})
             .param("cluster-epsilon", &NeighbourhoodsNode::cluster_epsilon,
-                   {.min = 0, .max = 1e6, .about = "what it may be off at least, where the deviation is less than this"})
+                   {.min = 0,
+                    .max = 1e6,
+                    .about = "what it may be off at least, where the deviation is less than this"})
             .param("seed", &NeighbourhoodsNode::seed, {.about = "of all random choices"});
     }
 
@@ -63,25 +93,32 @@ struct NeighbourhoodsNode {
         const SampleVectors& v = in.get<SampleVectors>("vectors");
         const Tile& tile = in.tile();
         // Blocks are aligned to the picture, so a tile may have parts of some.
-        const int bx0 = tile.x0 / block, by0 = tile.y0 / block, across = (tile.x1 + block - 1) / block - bx0,
+        const int bx0 = tile.x0 / block, by0 = tile.y0 / block,
+                  across = (tile.x1 + block - 1) / block - bx0,
                   down = (tile.y1 + block - 1) / block - by0;
         if (index >= size_t(across) * size_t(down)) return false;
-        const int x0 = (bx0 + int(index % size_t(across))) * block, y0 = (by0 + int(index / size_t(across))) * block;
-        const PixelBlock at{x0, y0, std::min(x0 + block, v.samples.width), std::min(y0 + block, v.samples.height)};
+        const int x0 = (bx0 + int(index % size_t(across))) * block,
+                  y0 = (by0 + int(index / size_t(across))) * block;
+        const PixelBlock at{x0, y0, std::min(x0 + block, v.samples.width),
+                            std::min(y0 + block, v.samples.height)};
 
         Neighbourhoods& n = out.get<Neighbourhoods>("neighbourhoods");
         n.vectors = &v;
         n.block = at;
-        n.own_record.assign(1, std::uint32_t(std::max(y0, tile.y0)) * std::uint32_t(v.samples.width) + std::uint32_t(std::max(x0, tile.x0)));
+        n.own_record.assign(1,
+                            std::uint32_t(std::max(y0, tile.y0)) * std::uint32_t(v.samples.width) +
+                                std::uint32_t(std::max(x0, tile.x0)));
         n.pixels = n.own_record;
         n.parents = {};
         prepare(v, scratch);
         take_own(v, at, n);
         draw(v.samples, scratch.by, scratch.places, at, scratch.draw, scratch.drawn);
-        if (!v.whole.empty()) std::erase_if(scratch.drawn, [&](std::uint32_t i) { return !v.is_whole(i); });
+        if (!v.whole.empty())
+            std::erase_if(scratch.drawn, [&](std::uint32_t i) { return !v.is_whole(i); });
         take_neighbours(v, at, scratch, n);
 
-        n.pitch = (n.samples() + Neighbourhoods::padding - 1) / Neighbourhoods::padding * Neighbourhoods::padding;
+        n.pitch = (n.samples() + Neighbourhoods::padding - 1) / Neighbourhoods::padding *
+                  Neighbourhoods::padding;
         n.values.resize(n.rows() * n.pitch);
         n.mean.resize(n.rows());
         n.scale.resize(n.rows());
@@ -89,7 +126,10 @@ struct NeighbourhoodsNode {
         n.high.resize(n.rows());
         WEFT_PICK(lay_out)(v.values.data(), v.stride, n.sample, n.pitch, n.values.data());
         lay_out_colors(v, n);
-        if (n.samples() > 0) WEFT_PICK(normalise)(n.values.data(), n.rows(), n.samples(), n.pitch, n.mean.data(), n.scale.data(), n.low.data(), n.high.data());
+        if (n.samples() > 0)
+            WEFT_PICK(normalise)
+            (n.values.data(), n.rows(), n.samples(), n.pitch, n.mean.data(), n.scale.data(),
+             n.low.data(), n.high.data());
         return true;
     }
 
@@ -99,15 +139,20 @@ struct NeighbourhoodsNode {
         float* to = &n.values[n.color_row(0) * n.pitch];
         for (size_t i = 0; i < n.samples(); ++i)
             for (size_t c = 0; c < 3; ++c) to[c * n.pitch + i] = rgb[3 * size_t(n.sample[i]) + c];
-        for (size_t c = 0; c < 3; ++c) std::fill(to + c * n.pitch + n.samples(), to + (c + 1) * n.pitch, 0.0f);
+        for (size_t c = 0; c < 3; ++c)
+            std::fill(to + c * n.pitch + n.samples(), to + (c + 1) * n.pitch, 0.0f);
     }
 
     void prepare(const SampleVectors& v, Scratch& scratch) const {
         if (scratch.of == &v) return;
         scratch.of = &v;
         const double spp = v.samples.mean_spp();
-        scratch.by = {draw_rule, box, size_t(draws), sigma * float(box), std::max(1, int(std::lround(spp))), seed};
-        if (draws == 0) scratch.by.draws = size_t(std::lround(double(fraction) * double(box) * double(box) * spp));
+        scratch.by = {
+            draw_rule, box, size_t(draws), sigma * float(box), std::max(1, int(std::lround(spp))),
+            seed};
+        if (draws == 0)
+            scratch.by.draws =
+                size_t(std::lround(double(fraction) * double(box) * double(box) * spp));
         scratch.places = make_places(scratch.by);
     }
 
@@ -127,19 +172,23 @@ struct NeighbourhoodsNode {
     }
 
     // Those drawn whose features are near the mean of the block's own.
-    void take_neighbours(const SampleVectors& v, PixelBlock at, Scratch& scratch, Neighbourhoods& n) const {
+    void take_neighbours(const SampleVectors& v, PixelBlock at, Scratch& scratch,
+                         Neighbourhoods& n) const {
         if (n.own() == 0) return;
         const size_t own = n.own();
         n.sample.resize(own + scratch.drawn.size());
         if (!cluster) {
-            std::copy(scratch.drawn.begin(), scratch.drawn.end(), n.sample.begin() + std::ptrdiff_t(own));
+            std::copy(scratch.drawn.begin(), scratch.drawn.end(),
+                      n.sample.begin() + std::ptrdiff_t(own));
             return;
         }
         find_bounds(v, at, n, scratch);
-        n.sample.resize(own + WEFT_PICK(accept)(v, scratch.drawn, scratch.centre.data(), scratch.bound.data(), &n.sample[own]));
+        n.sample.resize(own + WEFT_PICK(accept)(v, scratch.drawn, scratch.centre.data(),
+                                                scratch.bound.data(), &n.sample[own]));
     }
 
-    void find_bounds(const SampleVectors& v, PixelBlock at, const Neighbourhoods& n, Scratch& scratch) const {
+    void find_bounds(const SampleVectors& v, PixelBlock at, const Neighbourhoods& n,
+                     Scratch& scratch) const {
         std::vector<std::uint32_t>& from = scratch.statistics;
         from.assign(n.sample.begin(), n.sample.begin() + std::ptrdiff_t(n.own()));
         if (from.size() < 4) {
@@ -154,10 +203,13 @@ struct NeighbourhoodsNode {
         }
         // As long as whole vectors read.
         scratch.centre.assign(v.stride + Neighbourhoods::padding, 0.0f);
-        scratch.bound.assign(v.stride + Neighbourhoods::padding, std::numeric_limits<float>::infinity());
+        scratch.bound.assign(v.stride + Neighbourhoods::padding,
+                             std::numeric_limits<float>::infinity());
         for (size_t k = 0; k < v.components.size(); ++k) {
             const std::string& name = v.channels[size_t(v.components[k].channel)];
-            if (v.components[k].role != Role::feature || (cluster_on == ClusterOn::first_hit && name.ends_with('2'))) continue;
+            if (v.components[k].role != Role::feature ||
+                (cluster_on == ClusterOn::first_hit && name.ends_with('2')))
+                continue;
             double sum = 0, squares = 0;
             const double base = double(v.of(from[0])[k]);
             for (const std::uint32_t i : from) {
@@ -166,9 +218,11 @@ struct NeighbourhoodsNode {
                 squares += x * x;
             }
             const double count = double(from.size()), mean = sum / count;
-            const auto deviation = float(std::sqrt(std::max(0.0, squares - count * mean * mean) / std::max(1.0, count - 1)));
+            const auto deviation = float(
+                std::sqrt(std::max(0.0, squares - count * mean * mean) / std::max(1.0, count - 1)));
             scratch.centre[k] = float(base + mean);
-            const float far = (name.starts_with("position") ? position_sigma : cluster_sigma) * deviation;
+            const float far =
+                (name.starts_with("position") ? position_sigma : cluster_sigma) * deviation;
             scratch.bound[k] = deviation < cluster_epsilon ? std::max(far, cluster_epsilon) : far;
         }
     }

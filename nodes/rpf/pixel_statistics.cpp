@@ -8,10 +8,12 @@ namespace {
 
 constexpr int rows_at_once = 8;
 
-// Means of a pixel's whole samples and the variance of a single one, by differences to the first: sums keep their digits.
+// Means of a pixel's whole samples and the variance of a single one, by differences to the first:
+// sums keep their digits.
 class PixelSums {
   public:
-    explicit PixelSums(const SampleVectors& v) : v_(v), rgb_(v.samples.rgb()), values_(v.components.size() - v.pixels.first + 3) {
+    explicit PixelSums(const SampleVectors& v)
+        : v_(v), rgb_(v.samples.rgb()), values_(v.components.size() - v.pixels.first + 3) {
         sum_.resize(values_);
         square_.resize(values_);
     }
@@ -26,16 +28,21 @@ class PixelSums {
             if (n_++ == 0) base_ = j;
             const float *a = v_.of(j) + v_.pixels.first, *b = v_.of(base_) + v_.pixels.first;
             for (size_t k = 0; k + 3 < values_; ++k) add(k, a[k] - b[k]);
-            for (size_t c = 0; c < 3; ++c) add(values_ - 3 + c, rgb_[3 * j + c] - rgb_[3 * base_ + c]);
+            for (size_t c = 0; c < 3; ++c)
+                add(values_ - 3 + c, rgb_[3 * j + c] - rgb_[3 * base_ + c]);
         }
         return n_;
     }
     // Of value k: feature components, then colours.
     float mean(size_t k) const {
-        const float first = k + 3 < values_ ? v_.of(base_)[v_.pixels.first + k] : rgb_[3 * base_ + k + 3 - values_];
+        const float first =
+            k + 3 < values_ ? v_.of(base_)[v_.pixels.first + k] : rgb_[3 * base_ + k + 3 - values_];
         return first + sum_[k] / float(n_);
     }
-    float variance(size_t k) const { return n_ < 2 ? 0.0f : std::max(0.0f, square_[k] - sum_[k] * sum_[k] / float(n_)) / float(n_ - 1); }
+    float variance(size_t k) const {
+        return n_ < 2 ? 0.0f
+                      : std::max(0.0f, square_[k] - sum_[k] * sum_[k] / float(n_)) / float(n_ - 1);
+    }
 
   private:
     void add(size_t k, float x) {
@@ -48,9 +55,11 @@ class PixelSums {
     std::vector<float> sum_, square_;
 };
 
-// The variance of a mean: that of the pixel's samples, half by themselves and half by those of the pixels around, whose
-// estimate is steadier, over their number. `to` and `from` are planes; from: variances of single samples.
-void find_noise(kernel::Planes& planes, int to, const kernel::Planes& from, int plane, int samples, double spp, int y) {
+// The variance of a mean: that of the pixel's samples, half by themselves and half by those of the
+// pixels around, whose estimate is steadier, over their number. `to` and `from` are planes; from:
+// variances of single samples.
+void find_noise(kernel::Planes& planes, int to, const kernel::Planes& from, int plane, int samples,
+                double spp, int y) {
     const int width = planes.width, height = planes.height;
     for (int x = 0; x < width; ++x) {
         const float n = planes.row(samples, y)[x];
@@ -69,7 +78,8 @@ void find_noise(kernel::Planes& planes, int to, const kernel::Planes& from, int 
 }
 
 // Single samples everywhere: their noise is how much their pixel differs from those around.
-void find_noise_of_single(kernel::Planes& planes, std::span<const int> means, int to, int samples, int y) {
+void find_noise_of_single(kernel::Planes& planes, std::span<const int> means, int to, int samples,
+                          int y) {
     for (int x = 0; x < planes.width; ++x) {
         double sum = 0, pairs = 0;
         for (int j = std::max(0, y - 1); j <= std::min(y + 1, planes.height - 1); ++j)
@@ -85,12 +95,14 @@ void find_noise_of_single(kernel::Planes& planes, std::span<const int> means, in
     }
 }
 
-// Squared change to the next pixel along both axes, each on the side where it is less (an edge is no slope), noise off.
+// Squared change to the next pixel along both axes, each on the side where it is less (an edge is
+// no slope), noise off.
 void find_slope(PixelStatistics& p, size_t group, int y) {
     const auto [begin, end, deviation2] = p.groups[group];
     const int width = p.planes.width, height = p.planes.height;
     const auto change = [&](int x, int i, int j) {
-        if (i < 0 || i >= width || j < 0 || j >= height || !(p.planes.row(p.samples(), j)[i] > 0)) return -1.0f;
+        if (i < 0 || i >= width || j < 0 || j >= height || !(p.planes.row(p.samples(), j)[i] > 0))
+            return -1.0f;
         float sum = -(p.planes.row(p.noise(group), y)[x] + p.planes.row(p.noise(group), j)[i]);
         for (size_t k = begin; k < end; ++k) {
             const float d = p.planes.row(p.mean(k), y)[x] - p.planes.row(p.mean(k), j)[i];
@@ -98,9 +110,12 @@ void find_slope(PixelStatistics& p, size_t group, int y) {
         }
         return std::max(0.0f, sum);
     };
-    const auto less = [](float a, float b) { return a < 0 ? std::max(b, 0.0f) : b < 0 ? a : std::min(a, b); };
+    const auto less = [](float a, float b) {
+        return a < 0 ? std::max(b, 0.0f) : b < 0 ? a : std::min(a, b);
+    };
     for (int x = 0; x < width; ++x)
-        p.planes.row(p.slope(group), y)[x] = less(change(x, x - 1, y), change(x, x + 1, y)) + less(change(x, x, y - 1), change(x, x, y + 1));
+        p.planes.row(p.slope(group), y)[x] = less(change(x, x - 1, y), change(x, x + 1, y)) +
+                                             less(change(x, x, y - 1), change(x, x, y + 1));
 }
 
 float deviation2(const PixelStatistics& p, const PixelStatistics::Group& group) {
@@ -150,10 +165,13 @@ void find_pixel_statistics(SampleVectors& v, Context& ctx) {
                     p.planes.row(p.samples(), int(y))[x] = float(double(n) / spp);
                     if (n == 0) continue;
                     found |= n > 1;
-                    for (size_t k = 0; k < features + 3; ++k) p.planes.row(int(k), int(y))[x] = sums.mean(k);
+                    for (size_t k = 0; k < features + 3; ++k)
+                        p.planes.row(int(k), int(y))[x] = sums.mean(k);
                     for (size_t g = 0; g < groups; ++g)
-                        for (size_t k = p.groups[g].begin; k < p.groups[g].end; ++k) single.row(int(g), int(y))[x] += sums.variance(k - p.first);
-                    for (size_t c = 0; c < 3; ++c) single.row(int(groups + c), int(y))[x] = sums.variance(features + c);
+                        for (size_t k = p.groups[g].begin; k < p.groups[g].end; ++k)
+                            single.row(int(g), int(y))[x] += sums.variance(k - p.first);
+                    for (size_t c = 0; c < 3; ++c)
+                        single.row(int(groups + c), int(y))[x] = sums.variance(features + c);
                 }
             return found;
         },
@@ -169,7 +187,9 @@ void find_pixel_statistics(SampleVectors& v, Context& ctx) {
                 }
                 means.clear();
                 if (g >= groups) means.push_back(p.color(g - groups));
-                for (size_t k = g < groups ? p.groups[g].begin : 0; g < groups && k < p.groups[g].end; ++k) means.push_back(p.mean(k));
+                for (size_t k = g < groups ? p.groups[g].begin : 0;
+                     g < groups && k < p.groups[g].end; ++k)
+                    means.push_back(p.mean(k));
                 find_noise_of_single(p.planes, means, to, p.samples(), y);
             }
         }

@@ -1,7 +1,7 @@
-// The vectors that random parameter filtering compares: of each sample its position on the film, its random
-// parameters and its scene features, side by side, so that a sample drawn from a neighbourhood is one place in
-// memory. Colours stay in the samples.
-// Source: Sen and Darabi 2012, Sec. 3 (the sample vector x = (p, r, f, c)).
+// The vectors that random parameter filtering compares: of each sample its position on the film,
+// its random parameters and its scene features, side by side, so that a sample drawn from a
+// neighbourhood is one place in memory. Colours stay in the samples. Source: Sen and Darabi 2012,
+// Sec. 3 (the sample vector x = (p, r, f, c)).
 #pragma once
 #include <cstdint>
 #include <string>
@@ -16,24 +16,27 @@ namespace weft {
 // A component of the vectors: one number a sample.
 struct VectorComponent {
     Role role = Role::none;  // position, random or feature
-    int channel = 0;         // index among SampleVectors::channels: components of a channel are neighbours
+    int channel = 0;  // index among SampleVectors::channels: components of a channel are neighbours
 };
 
-// What a pixel's own samples say together, in planes: means of features and colours, the noise of these means, and how
-// features change from pixel to pixel. By these two pixels can be alike although no two of their samples are.
+// What a pixel's own samples say together, in planes: means of features and colours, the noise of
+// these means, and how features change from pixel to pixel. By these two pixels can be alike
+// although no two of their samples are.
 struct PixelStatistics {
-    static constexpr int most_reach = 32;  // px, that planes may be read past the picture's left and right edges
+    static constexpr int most_reach =
+        32;  // px, that planes may be read past the picture's left and right edges
 
     struct Group {
-        size_t begin, end;    // components of a feature channel
-        float deviation2 = 0; // of its pixels' means over the picture
+        size_t begin, end;     // components of a feature channel
+        float deviation2 = 0;  // of its pixels' means over the picture
     };
     std::vector<Group> groups;
     size_t first = 0;  // the first feature component
     kernel::Planes planes;
 
-    // Planes. Noise is the variance of a mean, of a feature summed over its components; slope a feature's squared change
-    // to the next pixel, both axes together; samples how many a pixel has, over the buffer's mean.
+    // Planes. Noise is the variance of a mean, of a feature summed over its components; slope a
+    // feature's squared change to the next pixel, both axes together; samples how many a pixel has,
+    // over the buffer's mean.
     int mean(size_t component) const { return int(component - first); }
     int color(size_t c) const { return int(features_ + c); }
     int color_noise(size_t c) const { return int(features_ + 3 + c); }
@@ -52,9 +55,10 @@ struct SampleVectors {
     Samples samples;                    // what they were made of
     std::vector<std::string> channels;  // xy first, then random parameters, then features
     std::vector<VectorComponent> components;
-    size_t stride = 0;                // floats from sample to sample: components, filled up to a multiple of 4
-    LargeArray<float> values;         // size x stride, and some to read past the end
-    std::vector<std::uint8_t> whole;  // of each sample: 0 where a number is not finite; empty: all are whole
+    size_t stride = 0;  // floats from sample to sample: components, filled up to a multiple of 4
+    LargeArray<float> values;  // size x stride, and some to read past the end
+    std::vector<std::uint8_t>
+        whole;  // of each sample: 0 where a number is not finite; empty: all are whole
 
     PixelStatistics pixels;
 
@@ -66,10 +70,14 @@ struct SampleVectors {
         size_t begin, end;
     };
     Range of_channel(size_t channel) const;
-    size_t bytes() const { return values.size() * sizeof(float) + whole.size() + pixels.planes.values.size() * sizeof(float) + samples.bytes(); }
+    size_t bytes() const {
+        return values.size() * sizeof(float) + whole.size() +
+               pixels.planes.values.size() * sizeof(float) + samples.bytes();
+    }
     void count(Items& items) const { items.add("samples", size()); }
 };
 
-WEFT_VALUE_TYPE(SampleVectors, "SampleVectors", "position, random parameters and features of each sample, side by side")
+WEFT_VALUE_TYPE(SampleVectors, "SampleVectors",
+                "position, random parameters and features of each sample, side by side")
 
 }  // namespace weft

@@ -1,4 +1,5 @@
-// Vectors of the instruction set this file is compiled for. To be included by kernels only (weft_kernels).
+// Vectors of the instruction set this file is compiled for. To be included by kernels only
+// (weft_kernels).
 #pragma once
 #include "filters/simd.h"
 
@@ -10,5 +11,7 @@ using kernel::WEFT_ISA::F;
 using kernel::WEFT_ISA::lanes;
 using kernel::WEFT_ISA::VF;
 
-HWY_INLINE float sum_of(VF v) { return hn::GetLane(hn::SumOfLanes(f, v)); }
+HWY_INLINE float sum_of(VF v) {
+    return hn::GetLane(hn::SumOfLanes(f, v));
+}
 }  // namespace weft::rpf::WEFT_ISA

@@ -23,7 +23,8 @@ void Weights::describe(FieldVisitor& see) const {
 
 void SampleColors::take_own(const Neighbourhoods& around, const Samples& colors) {
     if (colors.size() != around.vectors->size())
-        throw Error("'colors' has " + std::to_string(colors.size()) + " samples, the vectors were made of " + std::to_string(around.vectors->size()) +
+        throw Error("'colors' has " + std::to_string(colors.size()) +
+                    " samples, the vectors were made of " + std::to_string(around.vectors->size()) +
                     "; link what an earlier pass made of the same buffer");
     own_pixels = around.own_pixels;
     own_offset = around.own_offset;

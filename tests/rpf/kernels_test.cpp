@@ -6,7 +6,9 @@ namespace weft::rpf {
 namespace {
 
 Samples textured(int spp) {
-    return feature_samples(24, 18, spp, [](const Drawn& d) { return 0.2f + 0.5f * d.l + (d.x > 11 ? 1.0f : 0.0f); }, [](const Drawn& d) { return d.x > 11 ? 0.8f : 0.1f + 0.05f * d.u; });
+    return feature_samples(
+        24, 18, spp, [](const Drawn& d) { return 0.2f + 0.5f * d.l + (d.x > 11 ? 1.0f : 0.0f); },
+        [](const Drawn& d) { return d.x > 11 ? 0.8f : 0.1f + 0.05f * d.u; });
 }
 
 // A neighbourhood of everything, normalised.
@@ -25,8 +27,11 @@ Neighbourhoods everything(const SampleVectors& v, size_t own) {
     n.high.resize(n.rows());
     WEFT_PICK(lay_out)(v.values.data(), v.stride, n.sample, n.pitch, n.values.data());
     for (size_t i = 0; i < n.samples(); ++i)
-        for (size_t c = 0; c < 3; ++c) n.values[n.color_row(c) * n.pitch + i] = v.samples.rgb()[3 * i + c];
-    WEFT_PICK(normalise)(n.values.data(), n.rows(), n.samples(), n.pitch, n.mean.data(), n.scale.data(), n.low.data(), n.high.data());
+        for (size_t c = 0; c < 3; ++c)
+            n.values[n.color_row(c) * n.pitch + i] = v.samples.rgb()[3 * i + c];
+    WEFT_PICK(normalise)
+    (n.values.data(), n.rows(), n.samples(), n.pitch, n.mean.data(), n.scale.data(), n.low.data(),
+     n.high.data());
     return n;
 }
 
@@ -34,7 +39,8 @@ Weights weights_of(const Neighbourhoods& n, float alpha, float beta) {
     Weights w;
     w.of_row.assign(n.rows(), 0.0f);
     for (size_t k = 0; k < n.vectors->components.size(); ++k)
-        if (n.vectors->components[k].role == Role::feature) w.of_row[k] = beta * (1 + 0.1f * float(k % 3));
+        if (n.vectors->components[k].role == Role::feature)
+            w.of_row[k] = beta * (1 + 0.1f * float(k % 3));
     for (size_t c = 0; c < 3; ++c) w.of_row[n.color_row(c)] = alpha;
     return w;
 }
@@ -46,7 +52,8 @@ class Kernels : public testing::TestWithParam<Isa> {
 
 TEST_P(Kernels, accept_what_is_within_bounds) {
     const SampleVectors v = vectors_of(textured(3));
-    std::vector<float> centre(v.stride + 16, 0.0f), bound(v.stride + 16, std::numeric_limits<float>::infinity());
+    std::vector<float> centre(v.stride + 16, 0.0f),
+        bound(v.stride + 16, std::numeric_limits<float>::infinity());
     for (size_t k = 7; k < v.components.size(); ++k) {
         centre[k] = v.of(100)[k];
         bound[k] = k % 2 ? 0.3f : 0.5f;
@@ -89,7 +96,8 @@ TEST_P(Kernels, filter_as_defined) {
     WEFT_PICK(filter)(n, w, samples.rgb().data(), by, scratch, out);
     for (size_t i = 0; i < 7; ++i) {
         const auto exact = reference::filter(n, w, samples.rgb().data(), by, i);
-        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(out.rgb[3 * i + c], exact[c], 2e-5 * std::max(1.0, exact[c])) << i;
+        for (size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(out.rgb[3 * i + c], exact[c], 2e-5 * std::max(1.0, exact[c])) << i;
         EXPECT_GE(out.effective[i], 1.0f - 1e-4f);
         EXPECT_LE(out.effective[i], float(n.samples()));
     }
@@ -104,7 +112,8 @@ TEST_P(Kernels, weigh_pixels_as_defined) {
     by.radius = 4;
     PixelScratch scratch;
     std::vector<float> weights;
-    for (const PixelBlock block : {PixelBlock{0, 0, 3, 2}, PixelBlock{10, 8, 13, 10}, PixelBlock{22, 17, 24, 18}}) {
+    for (const PixelBlock block :
+         {PixelBlock{0, 0, 3, 2}, PixelBlock{10, 8, 13, 10}, PixelBlock{22, 17, 24, 18}}) {
         WEFT_PICK(weigh_pixels)(v, block, w, by, scratch, weights);
         const float* of = weights.data();
         for (int y = block.y0; y < block.y1; ++y)
@@ -112,7 +121,9 @@ TEST_P(Kernels, weigh_pixels_as_defined) {
                 for (int dy = -4; dy <= 4; ++dy)
                     for (int dx = -4; dx <= 4; ++dx) {
                         const double exact = reference::weigh_pixel(v, w, by, x, y, dx, dy);
-                        EXPECT_NEAR(of[size_t(dy + 4) * by.pitch() + size_t(dx + 4)], exact, 1e-4 * exact + 1e-6) << x << " " << y << " " << dx << " " << dy;
+                        EXPECT_NEAR(of[size_t(dy + 4) * by.pitch() + size_t(dx + 4)], exact,
+                                    1e-4 * exact + 1e-6)
+                            << x << " " << y << " " << dx << " " << dy;
                     }
     }
 }
@@ -128,12 +139,14 @@ TEST_P(Kernels, average_pixels_and_their_samples_alike) {
     float pixels[3], each[3], effective_pixels, effective_each;
     const std::vector<float> none(16, 0.0f);
     WEFT_PICK(average_pixels)(v, 12, 9, by, weights.data(), pixels, &effective_pixels);
-    WEFT_PICK(average_samples)(v, samples.rgb().data(), 0, 12, 9, by, weights.data(), none, each, &effective_each);
+    WEFT_PICK(average_samples)
+    (v, samples.rgb().data(), 0, 12, 9, by, weights.data(), none, each, &effective_each);
     for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(pixels[c], each[c], 2e-4f);
     EXPECT_NEAR(effective_pixels / effective_each, 1, 0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(instruction_sets()), [](const auto& isa) { return std::string(name_of(isa.param)); });
+INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(instruction_sets()),
+                         [](const auto& isa) { return std::string(name_of(isa.param)); });
 
 }  // namespace
 }  // namespace weft::rpf

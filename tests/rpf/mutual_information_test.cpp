@@ -13,7 +13,8 @@ std::vector<float> padded(std::vector<float> row) {
     row.resize((row.size() + 15) / 16 * 16, 0.0f);
     return row;
 }
-BinnedRows bins_of(const std::vector<std::vector<float>>& rows, size_t n, Binning binning = Binning::centered, size_t bins = 5) {
+BinnedRows bins_of(const std::vector<std::vector<float>>& rows, size_t n,
+                   Binning binning = Binning::centered, size_t bins = 5) {
     std::vector<NumberRow> of;
     for (const std::vector<float>& row : rows) {
         const auto [low, high] = std::minmax_element(row.begin(), row.begin() + std::ptrdiff_t(n));
@@ -23,7 +24,8 @@ BinnedRows bins_of(const std::vector<std::vector<float>>& rows, size_t n, Binnin
     sort_rows(of, n, binning, bins, sorted);
     return sorted;
 }
-double information(const std::vector<float>& a, const std::vector<float>& b, size_t n, Correction correction, Binning binning = Binning::centered) {
+double information(const std::vector<float>& a, const std::vector<float>& b, size_t n,
+                   Correction correction, Binning binning = Binning::centered) {
     MutualInformation between(correction);
     std::vector<double> i;
     between(bins_of({padded(a), padded(b)}, n, binning), {0, 1}, {1, 2}, i);
@@ -31,18 +33,21 @@ double information(const std::vector<float>& a, const std::vector<float>& b, siz
 }
 
 // Pairs of a bivariate normal distribution of correlation rho (Box and Muller).
-void draw_normal(double rho, size_t n, std::uint64_t seed, std::vector<float>& a, std::vector<float>& b) {
+void draw_normal(double rho, size_t n, std::uint64_t seed, std::vector<float>& a,
+                 std::vector<float>& b) {
     a.clear();
     b.clear();
     for (size_t i = 0; i < n; ++i) {
-        const double r = std::sqrt(-2 * std::log(1 - double(chance(seed, 2 * i)))), angle = 2 * std::numbers::pi * double(chance(seed, 2 * i + 1));
+        const double r = std::sqrt(-2 * std::log(1 - double(chance(seed, 2 * i)))),
+                     angle = 2 * std::numbers::pi * double(chance(seed, 2 * i + 1));
         const double x = r * std::cos(angle), y = r * std::sin(angle);
         a.push_back(float(x));
         b.push_back(float(rho * x + std::sqrt(1 - rho * rho) * y));
     }
 }
 
-// Of the five bins: cell masses of the bivariate normal, by the midpoint rule along x of exact masses along y.
+// Of the five bins: cell masses of the bivariate normal, by the midpoint rule along x of exact
+// masses along y.
 double exact_information(double rho) {
     const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
     const double edge[6] = {-12, -1.5, -0.5, 0.5, 1.5, 12};
@@ -53,7 +58,9 @@ double exact_information(double rho) {
             const double width = (edge[i + 1] - edge[i]) / steps, x = edge[i] + (s + 0.5) * width;
             const double density = std::exp(-x * x / 2) / std::sqrt(2 * std::numbers::pi) * width;
             const double scale = std::sqrt(1 - rho * rho);
-            for (int j = 0; j < 5; ++j) cell[i][j] += density * (below((edge[j + 1] - rho * x) / scale) - below((edge[j] - rho * x) / scale));
+            for (int j = 0; j < 5; ++j)
+                cell[i][j] += density * (below((edge[j + 1] - rho * x) / scale) -
+                                         below((edge[j] - rho * x) / scale));
         }
     for (int i = 0; i < 5; ++i)
         for (int j = 0; j < 5; ++j) row[i] += cell[i][j], column[j] += cell[i][j];
@@ -73,24 +80,32 @@ TEST_P(OfNormals, is_exact_but_for_the_bias_that_the_correction_takes_off) {
     std::vector<float> a, b;
     for (int trial = 0; trial < trials; ++trial) {
         draw_normal(rho, n, 77 + std::uint64_t(trial), a, b);
-        const Correction corrections[3] = {Correction::none, Correction::miller_madow, Correction::asymptotic};
+        const Correction corrections[3] = {Correction::none, Correction::miller_madow,
+                                           Correction::asymptotic};
         for (int k = 0; k < 3; ++k) sum[k] += information(a, b, n, corrections[k]) / trials;
         squares += std::pow(information(a, b, n, Correction::none), 2) / trials;
     }
-    const double exact = exact_information(rho), deviation = std::sqrt(std::max(0.0, squares - sum[0] * sum[0])), bias = 16.0 / (2 * double(n));
+    const double exact = exact_information(rho),
+                 deviation = std::sqrt(std::max(0.0, squares - sum[0] * sum[0])),
+                 bias = 16.0 / (2 * double(n));
     const double margin = 4 * deviation / std::sqrt(double(trials));
-    // Uncorrected: more than the truth, by about the bias. At 50 samples for 25 cells the expansion is not yet good.
+    // Uncorrected: more than the truth, by about the bias. At 50 samples for 25 cells the expansion
+    // is not yet good.
     const double loose = n < 100 ? 0.4 : 0.25;
     EXPECT_NEAR(sum[0], exact + bias, loose * bias + margin);
     // Corrected estimates are held at 0, which lifts their mean where the truth is 0.
     const double floor = rho == 0 ? 0.4 * deviation : 0;
     EXPECT_NEAR(sum[2], exact, loose * bias + margin + floor);
     EXPECT_NEAR(sum[1], exact, 0.6 * bias + margin + floor);
-    // Where one row nearly gives the other most cells stay empty, and counting them all takes off too much.
+    // Where one row nearly gives the other most cells stay empty, and counting them all takes off
+    // too much.
     EXPECT_TRUE(rho > 0.8 || std::abs(sum[2] - exact) < std::abs(sum[0] - exact));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, OfNormals, testing::Combine(testing::Values(0.0, 0.3, 0.5, 0.9), testing::Values(size_t(50), size_t(200), size_t(500), size_t(2000))));
+INSTANTIATE_TEST_SUITE_P(All, OfNormals,
+                         testing::Combine(testing::Values(0.0, 0.3, 0.5, 0.9),
+                                          testing::Values(size_t(50), size_t(200), size_t(500),
+                                                          size_t(2000))));
 
 TEST(MutualInformation, of_many_normals_is_the_published_value) {
     EXPECT_NEAR(exact_information(0.5), 0.1167, 2e-4);
@@ -100,10 +115,12 @@ TEST(MutualInformation, of_many_normals_is_the_published_value) {
 TEST(MutualInformation, of_a_row_with_itself_is_its_entropy) {
     std::vector<float> row;
     for (int i = 0; i < 512; ++i) row.push_back(float(i % 4) - 1.5f);
-    EXPECT_NEAR(information(row, row, row.size(), Correction::none, Binning::rank), std::log(4.0), 1e-9);
+    EXPECT_NEAR(information(row, row, row.size(), Correction::none, Binning::rank), std::log(4.0),
+                1e-9);
     // Uniform, deviation 1: outer bins hold 0.067 each.
     std::vector<float> uniform;
-    for (int i = 0; i < 4096; ++i) uniform.push_back(2 * std::numbers::sqrt3_v<float> * ((float(i) + 0.5f) / 4096 - 0.5f));
+    for (int i = 0; i < 4096; ++i)
+        uniform.push_back(2 * std::numbers::sqrt3_v<float> * ((float(i) + 0.5f) / 4096 - 0.5f));
     EXPECT_NEAR(information(uniform, uniform, uniform.size(), Correction::none), 1.438, 2e-3);
 }
 
@@ -118,8 +135,10 @@ TEST(MutualInformation, of_a_constant_is_zero) {
     const std::vector<float> constant(64, 0.0f);
     std::vector<float> row;
     for (int i = 0; i < 64; ++i) row.push_back(float(i % 3) - 1);
-    for (Correction c : {Correction::none, Correction::miller_madow, Correction::asymptotic, Correction::shuffle})
-        for (Binning b : {Binning::centered, Binning::spanned, Binning::rank}) EXPECT_EQ(information(constant, row, 64, c, b), 0.0);
+    for (Correction c :
+         {Correction::none, Correction::miller_madow, Correction::asymptotic, Correction::shuffle})
+        for (Binning b : {Binning::centered, Binning::spanned, Binning::rank})
+            EXPECT_EQ(information(constant, row, 64, c, b), 0.0);
 }
 
 TEST(MutualInformation, depends_on_neither_order_nor_direction) {
@@ -170,16 +189,23 @@ TEST(Bins, are_counted_as_one_by_one_on_every_instruction_set) {
             const BinnedRows sorted = bins_of(rows, n);
             const auto bin = [](float v) { return std::clamp(int(std::floor(v + 2.5f)), 0, 4); };
             // Columns of the last three rows with those of all.
-            const size_t first = sorted.rows[9].first, columns = sorted.end(11), mine = columns - first, pitch = (columns + 7) / 8 * 8;
+            const size_t first = sorted.rows[9].first, columns = sorted.end(11),
+                         mine = columns - first, pitch = (columns + 7) / 8 * 8;
             std::vector<std::uint32_t> counts(mine * pitch);
-            WEFT_PICK(count_common)(sorted.column(first), mine, sorted.column(0), columns, sorted.pitch, sorted.words, counts.data(), pitch);
+            WEFT_PICK(count_common)
+            (sorted.column(first), mine, sorted.column(0), columns, sorted.pitch, sorted.words,
+             counts.data(), pitch);
             for (size_t a = 9; a < 12; ++a)
                 for (size_t b = 0; b < 12; ++b) {
                     std::uint32_t expected[25] = {};
-                    for (size_t i = 0; i < n; ++i) ++expected[bin(rows[a][i]) * 5 + bin(rows[b][i])];
+                    for (size_t i = 0; i < n; ++i)
+                        ++expected[bin(rows[a][i]) * 5 + bin(rows[b][i])];
                     for (size_t i = 0; i + 1 < sorted.rows[a].bins(); ++i)
                         for (size_t j = 0; j + 1 < sorted.rows[b].bins(); ++j)
-                            EXPECT_EQ(counts[(sorted.rows[a].first + i - first) * pitch + sorted.rows[b].first + j], expected[i * 5 + j]) << n << " " << a << " " << b;
+                            EXPECT_EQ(counts[(sorted.rows[a].first + i - first) * pitch +
+                                             sorted.rows[b].first + j],
+                                      expected[i * 5 + j])
+                                << n << " " << a << " " << b;
                 }
         }
     }

@@ -1,4 +1,5 @@
-// Random parameter filtering as graphs run it: what is noise goes, what is signal stays, whatever the samples are.
+// Random parameter filtering as graphs run it: what is noise goes, what is signal stays, whatever
+// the samples are.
 #include <gtest/gtest-spi.h>
 
 #include <filesystem>
@@ -16,20 +17,27 @@ namespace {
 // A graph that filters a file's samples by `nodes`, the last of which is called `filtered`.
 std::string filter_text(const std::string& file, const std::string& nodes) {
     return R"({"weft": 1, "nodes": {
-        "samples": {"type": "read-samples", "set": {"file": ")" + file + R"(", "channels": ["*"]}},)" + nodes + R"(,
+        "samples": {"type": "read-samples", "set": {"file": ")" +
+           file + R"(", "channels": ["*"]}},)" + nodes + R"(,
         "picture": {"type": "pixel-filter", "in": {"samples": "filtered"}},
         "write":   {"type": "write-image", "in": {"image": "picture"}, "set": {"file": "OUT", "depth": "float"}}}})";
 }
 // Smoother than the preset is by itself, which keeps pictures crisp.
-const std::string weft_preset = R"("filtered": {"type": "parts/rpf-weft.json", "in": {"samples": "samples"}, "set": {"sigma": 3, "slope": 4}})";
+const std::string weft_preset =
+    R"("filtered": {"type": "parts/rpf-weft.json", "in": {"samples": "samples"}, "set": {"sigma": 3, "slope": 4}})";
 
 // One pass of these settings of its nodes.
-std::string pass(const std::string& neighbourhoods, const std::string& weights, const std::string& filter, const std::string& outliers) {
+std::string pass(const std::string& neighbourhoods, const std::string& weights,
+                 const std::string& filter, const std::string& outliers) {
     return R"("vectors": {"type": "build-vectors", "in": {"samples": "samples"}},
-        "around": {"type": "neighbourhoods", "in": {"vectors": "vectors"}, "set": {)" + neighbourhoods + R"(}},
-        "weights": {)" + weights + R"(, "in": {"neighbourhoods": "around"}},
-        "filter": {)" + filter + R"(, "in": {"neighbourhoods": "around", "weights": "weights"}},
-        "outliers": {"type": "clamp-outliers", "in": {"colors": "filter"}, "set": {)" + outliers + R"(}},
+        "around": {"type": "neighbourhoods", "in": {"vectors": "vectors"}, "set": {)" +
+           neighbourhoods + R"(}},
+        "weights": {)" +
+           weights + R"(, "in": {"neighbourhoods": "around"}},
+        "filter": {)" +
+           filter + R"(, "in": {"neighbourhoods": "around", "weights": "weights"}},
+        "outliers": {"type": "clamp-outliers", "in": {"colors": "filter"}, "set": {)" +
+           outliers + R"(}},
         "filtered": {"type": "collect-samples", "in": {"colors": "outliers", "samples": "samples"}})";
 }
 
@@ -44,7 +52,9 @@ Image filtered(const Samples& samples, const std::string& nodes, int tile = 32, 
     return GraphRun(filter_text(saved(folder, samples), nodes), tile, threads).picture;
 }
 
-float grey(const Drawn&) { return 0.5f; }
+float grey(const Drawn&) {
+    return 0.5f;
+}
 double mean_of(const Image& image) {
     double sum = 0;
     for (const float v : image.pixels()) sum += double(v);
@@ -54,12 +64,14 @@ double mean_of(const Image& image) {
 double rms_of(const Image& image, const std::function<double(int, int)>& exact) {
     double sum = 0, n = 0;
     for (int y = 2; y < image.height() - 2; ++y)
-        for (int x = 2; x < image.width() - 2; ++x, n += 1) sum += std::pow(double(image.at(x, y)[0]) - exact(x, y), 2);
+        for (int x = 2; x < image.width() - 2; ++x, n += 1)
+            sum += std::pow(double(image.at(x, y)[0]) - exact(x, y), 2);
     return std::sqrt(sum / n);
 }
 
 TEST(Rpf, noise_of_the_light_goes_and_the_mean_stays) {
-    const Samples samples = feature_samples(40, 30, 8, [](const Drawn& d) { return 2 * d.l; }, grey);
+    const Samples samples = feature_samples(
+        40, 30, 8, [](const Drawn& d) { return 2 * d.l; }, grey);
     const Image image = filtered(samples, weft_preset);
     const double unfiltered = 2 / std::sqrt(12.0) / std::sqrt(8.0);
     EXPECT_LT(rms_of(image, [](int, int) { return 1.0; }), unfiltered / 3);
@@ -68,7 +80,9 @@ TEST(Rpf, noise_of_the_light_goes_and_the_mean_stays) {
 
 TEST(Rpf, edges_that_features_show_stay_sharp) {
     const auto half = [](const Drawn& d) { return d.x >= 20 ? 1.0f : 0.0f; };
-    const Samples samples = feature_samples(40, 30, 8, [&](const Drawn& d) { return (0.1f + half(d)) * 2 * d.l; }, [&](const Drawn& d) { return 0.1f + 0.8f * half(d); });
+    const Samples samples = feature_samples(
+        40, 30, 8, [&](const Drawn& d) { return (0.1f + half(d)) * 2 * d.l; },
+        [&](const Drawn& d) { return 0.1f + 0.8f * half(d); });
     const Image image = filtered(samples, weft_preset);
     for (int y = 5; y < 25; ++y) {
         EXPECT_NEAR(image.at(19, y)[0], 0.1f, 0.03f);
@@ -78,7 +92,9 @@ TEST(Rpf, edges_that_features_show_stay_sharp) {
 
 TEST(Rpf, edges_that_no_feature_shows_stay_where_the_samples_show_them) {
     // A shadow's edge under a light that is half hidden: the colours alone have it.
-    const Samples samples = feature_samples(40, 30, 8, [](const Drawn& d) { return d.x >= 20 ? 1 + 0.2f * d.l : 0.1f + 0.02f * d.l; }, grey);
+    const Samples samples = feature_samples(
+        40, 30, 8, [](const Drawn& d) { return d.x >= 20 ? 1 + 0.2f * d.l : 0.1f + 0.02f * d.l; },
+        grey);
     const Image image = filtered(samples, weft_preset);
     for (int y = 5; y < 25; ++y) {
         EXPECT_LT(image.at(18, y)[0], 0.2f);
@@ -87,9 +103,12 @@ TEST(Rpf, edges_that_no_feature_shows_stay_where_the_samples_show_them) {
 }
 
 TEST(Rpf, a_constant_is_that_constant_by_every_preset) {
-    const Samples samples = feature_samples(20, 14, 4, grey, [](const Drawn& d) { return d.x > 9 ? 0.2f : 0.7f + 0.1f * d.u; });
+    const Samples samples = feature_samples(
+        20, 14, 4, grey, [](const Drawn& d) { return d.x > 9 ? 0.2f : 0.7f + 0.1f * d.u; });
     for (const char* preset : {"weft", "release", "report"}) {
-        const Image image = filtered(samples, std::string(R"("filtered": {"type": "parts/rpf-)") + preset + R"(.json", "in": {"samples": "samples"}})");
+        const Image image =
+            filtered(samples, std::string(R"("filtered": {"type": "parts/rpf-)") + preset +
+                                  R"(.json", "in": {"samples": "samples"}})");
         for (int y = 0; y < 14; ++y)
             for (int x = 0; x < 20; ++x) EXPECT_NEAR(image.at(x, y)[0], 0.5f, 1e-5f) << preset;
     }
@@ -98,21 +117,29 @@ TEST(Rpf, a_constant_is_that_constant_by_every_preset) {
 TEST(Rpf, few_samples_and_holes_and_pictures_of_one_pixel_work) {
     const auto noisy = [](const Drawn& d) { return 2 * d.l; };
     for (const char* preset : {"weft", "release", "report"}) {
-        const std::string nodes = std::string(R"("filtered": {"type": "parts/rpf-)") + preset + R"(.json", "in": {"samples": "samples"}})";
-        for (const auto& [width, height, spp] : {std::array{16, 12, 1}, std::array{16, 12, 2}, std::array{1, 1, 8}, std::array{1, 9, 3}}) {
+        const std::string nodes = std::string(R"("filtered": {"type": "parts/rpf-)") + preset +
+                                  R"(.json", "in": {"samples": "samples"}})";
+        for (const auto& [width, height, spp] : {std::array{16, 12, 1}, std::array{16, 12, 2},
+                                                 std::array{1, 1, 8}, std::array{1, 9, 3}}) {
             const Image image = filtered(feature_samples(width, height, spp, noisy, grey), nodes);
-            for (const float v : image.pixels()) EXPECT_TRUE(std::isfinite(v)) << preset << " " << width << " x " << height << " x " << spp;
+            for (const float v : image.pixels())
+                EXPECT_TRUE(std::isfinite(v))
+                    << preset << " " << width << " x " << height << " x " << spp;
         }
         Samples irregular = feature_samples(12, 10, 2, noisy, grey);
         std::vector<std::uint64_t> first{0};
-        for (size_t p = 0; p < 120; ++p) first.push_back(std::min<std::uint64_t>(240, first.back() + (p % 3 == 0 ? 0 : p % 3 == 1 ? 1 : 5)));
+        for (size_t p = 0; p < 120; ++p)
+            first.push_back(std::min<std::uint64_t>(240, first.back() + (p % 3 == 0   ? 0
+                                                                         : p % 3 == 1 ? 1
+                                                                                      : 5)));
         first.back() = 240;
         irregular.spp = 0;
         irregular.first = first;
         // xy says where they lie: in their pixels' middles.
         std::vector<float> xy;
         for (size_t p = 0; p < 120; ++p)
-            for (std::uint64_t i = first[p]; i < first[p + 1]; ++i) xy.insert(xy.end(), {float(p % 12) + 0.5f, float(p / 12) + 0.5f});
+            for (std::uint64_t i = first[p]; i < first[p + 1]; ++i)
+                xy.insert(xy.end(), {float(p % 12) + 0.5f, float(p / 12) + 0.5f});
         irregular.add("xy", 2, xy);
         const Image image = filtered(irregular, nodes);
         for (const float v : image.pixels()) EXPECT_TRUE(std::isfinite(v)) << preset;
@@ -120,50 +147,69 @@ TEST(Rpf, few_samples_and_holes_and_pictures_of_one_pixel_work) {
 }
 
 TEST(Rpf, one_sample_a_pixel_is_better_than_none_filtered) {
-    const Samples samples = feature_samples(40, 30, 1, [](const Drawn& d) { return 2 * d.l; }, grey);
-    EXPECT_LT(rms_of(filtered(samples, weft_preset), [](int, int) { return 1.0; }), 0.5 * 2 / std::sqrt(12.0));
+    const Samples samples = feature_samples(
+        40, 30, 1, [](const Drawn& d) { return 2 * d.l; }, grey);
+    EXPECT_LT(rms_of(filtered(samples, weft_preset), [](int, int) { return 1.0; }),
+              0.5 * 2 / std::sqrt(12.0));
 }
 
 TEST(Rpf, samples_without_features_are_filtered_by_their_colours) {
-    Samples samples = feature_samples(30, 20, 8, [](const Drawn& d) { return 2 * d.l; }, grey);
-    std::erase_if(samples.channels, [](const Channel& c) { return c.name != "xy" && c.name != "rgb"; });
-    EXPECT_LT(rms_of(filtered(samples, weft_preset), [](int, int) { return 1.0; }), 2 / std::sqrt(12.0) / std::sqrt(8.0) / 3);
+    Samples samples = feature_samples(
+        30, 20, 8, [](const Drawn& d) { return 2 * d.l; }, grey);
+    std::erase_if(samples.channels,
+                  [](const Channel& c) { return c.name != "xy" && c.name != "rgb"; });
+    EXPECT_LT(rms_of(filtered(samples, weft_preset), [](int, int) { return 1.0; }),
+              2 / std::sqrt(12.0) / std::sqrt(8.0) / 3);
 }
 
 TEST(Rpf, gives_the_same_bits_for_any_tiles_and_threads) {
-    const Samples samples = feature_samples(37, 29, 4, [](const Drawn& d) { return d.x > 18 ? d.l : 0.2f + 0.1f * d.u; }, [](const Drawn& d) { return d.x > 18 ? 0.9f : 0.2f; });
-    const std::string blocks = pass(R"("box": 9, "block": 3, "cluster": true)", R"("type": "dependency-estimate")", R"("type": "bilateral-filter")", R"("rule": "joint")");
+    const Samples samples = feature_samples(
+        37, 29, 4, [](const Drawn& d) { return d.x > 18 ? d.l : 0.2f + 0.1f * d.u; },
+        [](const Drawn& d) { return d.x > 18 ? 0.9f : 0.2f; });
+    const std::string blocks =
+        pass(R"("box": 9, "block": 3, "cluster": true)", R"("type": "dependency-estimate")",
+             R"("type": "bilateral-filter")", R"("rule": "joint")");
     for (const std::string& nodes : {weft_preset, blocks}) {
         const std::vector<float> one = values_of(filtered(samples, nodes));
-        for (const auto& [tile, threads] : {std::pair{8, 1}, std::pair{13, 2}, std::pair{64, 7}}) EXPECT_EQ(values_of(filtered(samples, nodes, tile, threads)), one) << tile;
+        for (const auto& [tile, threads] : {std::pair{8, 1}, std::pair{13, 2}, std::pair{64, 7}})
+            EXPECT_EQ(values_of(filtered(samples, nodes, tile, threads)), one) << tile;
     }
 }
 
 TEST(BilateralFilter, without_weights_is_the_mean_and_with_large_ones_nothing) {
-    const Samples samples = feature_samples(12, 12, 4, [](const Drawn& d) { return d.l; }, [](const Drawn& d) { return d.v; });
+    const Samples samples = feature_samples(
+        12, 12, 4, [](const Drawn& d) { return d.l; }, [](const Drawn& d) { return d.v; });
     const auto by = [&](const char* weights) {
-        return filtered(samples, pass(R"("box": 31, "fraction": 8, "cluster": false)", std::string(R"("type": "constant-weights", "set": {)") + weights + "}",
-                                      R"("type": "bilateral-filter")", R"("rule": "none")"));
+        return filtered(samples,
+                        pass(R"("box": 31, "fraction": 8, "cluster": false)",
+                             std::string(R"("type": "constant-weights", "set": {)") + weights + "}",
+                             R"("type": "bilateral-filter")", R"("rule": "none")"));
     };
     const Image none = by(R"("alpha": 0, "beta": 0)"), large = by(R"("alpha": 1e5, "beta": 1e5)");
     for (int y = 0; y < 12; ++y)
         for (int x = 0; x < 12; ++x) {
             EXPECT_NEAR(none.at(x, y)[0], 0.5f, 0.06f);
             float own = 0;
-            for (size_t i = 0; i < 4; ++i) own += samples.rgb()[3 * (4 * (size_t(y) * 12 + size_t(x)) + i)] / 4;
+            for (size_t i = 0; i < 4; ++i)
+                own += samples.rgb()[3 * (4 * (size_t(y) * 12 + size_t(x)) + i)] / 4;
             EXPECT_NEAR(large.at(x, y)[0], own, 1e-5f);
         }
 }
 
 TEST(DependencyEstimate, tells_noise_from_position) {
-    // Filtered without likeness of colours where colours are noise; kept where they depend on position.
+    // Filtered without likeness of colours where colours are noise; kept where they depend on
+    // position.
     const auto spread = [](const Color& color) {
         const Samples samples = feature_samples(24, 24, 8, color, grey);
-        const Image image = filtered(samples, pass(R"("box": 15, "cluster": false)", R"("type": "dependency-estimate", "set": {"combine": "largest"})",
-                                                   R"("type": "bilateral-filter", "set": {"variance": 0.2})", R"("rule": "none")"));
+        const Image image = filtered(
+            samples,
+            pass(R"("box": 15, "cluster": false)",
+                 R"("type": "dependency-estimate", "set": {"combine": "largest"})",
+                 R"("type": "bilateral-filter", "set": {"variance": 0.2})", R"("rule": "none")"));
         double sum = 0, squares = 0, n = 0;
         for (int y = 8; y < 16; ++y)
-            for (int x = 8; x < 16; ++x, n += 1) sum += image.at(x, y)[0], squares += std::pow(image.at(x, y)[0], 2);
+            for (int x = 8; x < 16; ++x, n += 1)
+                sum += image.at(x, y)[0], squares += std::pow(image.at(x, y)[0], 2);
         return std::sqrt(std::max(0.0, squares / n - sum * sum / n / n));
     };
     EXPECT_LT(spread([](const Drawn& d) { return d.l; }), 0.03);
@@ -178,10 +224,13 @@ TEST(ClampOutliers, keeps_a_pixels_light_where_asked_to) {
         for (size_t c = 0; c < 3; ++c) rgb[3 * (8 * p + 3) + c] *= 50;
     samples.add("rgb", 3, rgb);
     const auto by = [&](const char* rule) {
-        return mean_of(filtered(samples, pass(R"("box": 3)", R"("type": "constant-weights", "set": {"alpha": 1e5})", R"("type": "bilateral-filter")", rule)));
+        return mean_of(filtered(
+            samples, pass(R"("box": 3)", R"("type": "constant-weights", "set": {"alpha": 1e5})",
+                          R"("type": "bilateral-filter")", rule)));
     };
     const double all = by(R"("rule": "none")");
-    for (const char* rule : {R"("rule": "joint")", R"("rule": "mean")", R"("rule": "upper")"}) EXPECT_NEAR(by(rule) / all, 1, 1e-3) << rule;
+    for (const char* rule : {R"("rule": "joint")", R"("rule": "mean")", R"("rule": "upper")"})
+        EXPECT_NEAR(by(rule) / all, 1, 1e-3) << rule;
     EXPECT_LT(by(R"("rule": "upper", "keep-energy": false)"), 0.8 * all);
 }
 
@@ -202,11 +251,13 @@ TEST(Draws, stratified_places_are_distinct_and_spread_as_asked) {
 
 TEST(Draws, never_give_the_blocks_own_nor_twice_the_same_but_where_independent) {
     const Samples samples = feature_samples(20, 20, 4, grey, grey);
-    for (const rpf::DrawRule rule : {rpf::DrawRule::stratified, rpf::DrawRule::distinct, rpf::DrawRule::gaussian}) {
+    for (const rpf::DrawRule rule :
+         {rpf::DrawRule::stratified, rpf::DrawRule::distinct, rpf::DrawRule::gaussian}) {
         const rpf::DrawSettings by{rule, 15, 300, 3.5f, 4, 7};
         const auto places = rpf::make_places(by);
         rpf::DrawScratch scratch;
-        for (const PixelBlock block : {PixelBlock{0, 0, 2, 2}, PixelBlock{9, 9, 10, 10}, PixelBlock{19, 19, 20, 20}}) {
+        for (const PixelBlock block :
+             {PixelBlock{0, 0, 2, 2}, PixelBlock{9, 9, 10, 10}, PixelBlock{19, 19, 20, 20}}) {
             std::vector<std::uint32_t> drawn;
             rpf::draw(samples, by, places, block, scratch, drawn);
             EXPECT_GT(drawn.size(), 40u);
@@ -235,15 +286,24 @@ TEST(BuildVectors, leaves_out_what_never_changes_and_counts_what_is_not_finite) 
     EXPECT_TRUE(v.is_whole(16));
     // Whole vectors are read of the last record too, and what they hold is compared.
     ASSERT_GE(v.values.size(), v.size() * v.stride + SampleVectors::padding);
-    EXPECT_TRUE(std::all_of(v.values.begin() + std::ptrdiff_t(v.size() * v.stride), v.values.end(), [](float x) { return x == 0; }));
+    EXPECT_TRUE(std::all_of(v.values.begin() + std::ptrdiff_t(v.size() * v.stride), v.values.end(),
+                            [](float x) { return x == 0; }));
     ASSERT_EQ(node.ctx.warnings.size(), 1u);
-    EXPECT_NE(node.ctx.warnings[0].find("1 of 60 samples"), std::string::npos) << node.ctx.warnings[0];
-    EXPECT_NE(error_of([&] { RunNode("build-vectors").set("features", Json::list({Json("colour")})).in("samples", samples).run(); }).find("colour"), std::string::npos);
+    EXPECT_NE(node.ctx.warnings[0].find("1 of 60 samples"), std::string::npos)
+        << node.ctx.warnings[0];
+    EXPECT_NE(error_of([&] {
+                  RunNode("build-vectors")
+                      .set("features", Json::list({Json("colour")}))
+                      .in("samples", samples)
+                      .run();
+              }).find("colour"),
+              std::string::npos);
 }
 
 TEST(BilateralFilterPixels, says_what_it_misses) {
     static const TestFolder folder;
-    static const std::string text = filter_text(saved(folder, feature_samples(6, 5, 2, grey, grey)),
+    static const std::string text = filter_text(
+        saved(folder, feature_samples(6, 5, 2, grey, grey)),
         R"("vectors": {"type": "build-vectors", "in": {"samples": "samples"}, "set": {"pixels": false}},
         "around": {"type": "neighbourhoods", "in": {"vectors": "vectors"}},
         "weights": {"type": "constant-weights", "in": {"neighbourhoods": "around"}},
@@ -253,26 +313,37 @@ TEST(BilateralFilterPixels, says_what_it_misses) {
 }
 
 TEST(RecentreSamples, puts_samples_where_the_lens_centre_sees_them_and_back) {
-    Samples samples = feature_samples(16, 12, 3, [](const Drawn& d) { return d.l; }, grey);
+    Samples samples = feature_samples(
+        16, 12, 3, [](const Drawn& d) { return d.l; }, grey);
     samples.lens = Lens{};
     samples.lens->c0 = 8;
     samples.lens->c1 = 1;  // of depth 4: 3 px a unit of lens
-    const Samples moved = RunNode("recentre-samples").in("samples", samples).out<Samples>("samples");
+    const Samples moved =
+        RunNode("recentre-samples").in("samples", samples).out<Samples>("samples");
     ASSERT_EQ(moved.size(), samples.size());
     const Channel* source = moved.find("source_sample");
     ASSERT_TRUE(source && source->whole());
     for (size_t p = 0; p < moved.pixels(); ++p)
         for (size_t i = moved.of_pixel(p).begin; i < moved.of_pixel(p).end; ++i) {
             const size_t from = source->ids[i];
-            for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(moved.xy()[2 * i + k], samples.xy()[2 * from + k] - 3 * samples.uv()[2 * from + k], 1e-4f);
+            for (size_t k = 0; k < 2; ++k)
+                EXPECT_NEAR(moved.xy()[2 * i + k],
+                            samples.xy()[2 * from + k] - 3 * samples.uv()[2 * from + k], 1e-4f);
             EXPECT_EQ(moved.values("albedo")[3 * i], samples.values("albedo")[3 * from]);
-            const auto x = std::clamp(int(std::floor(moved.xy()[2 * i])), 0, 15), y = std::clamp(int(std::floor(moved.xy()[2 * i + 1])), 0, 11);
+            const auto x = std::clamp(int(std::floor(moved.xy()[2 * i])), 0, 15),
+                       y = std::clamp(int(std::floor(moved.xy()[2 * i + 1])), 0, 11);
             EXPECT_EQ(p, size_t(y) * 16 + size_t(x));
         }
     EXPECT_FALSE(moved.has_lens());
-    const Samples back = RunNode("return-samples").in("samples", samples).in("recentred", moved).out<Samples>("samples");
+    const Samples back = RunNode("return-samples")
+                             .in("samples", samples)
+                             .in("recentred", moved)
+                             .out<Samples>("samples");
     EXPECT_TRUE(std::equal(back.rgb().begin(), back.rgb().end(), samples.rgb().begin()));
-    EXPECT_NE(error_of([&] { RunNode("return-samples").in("samples", samples).in("recentred", samples).run(); }), "");
+    EXPECT_NE(error_of([&] {
+                  RunNode("return-samples").in("samples", samples).in("recentred", samples).run();
+              }),
+              "");
 }
 
 TEST(BlurExtent, is_the_distance_that_the_lens_moves_samples_by) {
@@ -292,11 +363,16 @@ TEST(BlendImages, takes_either_picture_at_the_ends) {
         for (int c = 0; c < 3; ++c) low.at(x, 0)[c] = 1, high.at(x, 0)[c] = 3;
     high.at(0, 0)[1] = std::numeric_limits<float>::infinity();
     for (int x = 0; x < 3; ++x) *by.at(x, 0) = 0.5f * float(x);
-    const Image out = RunNode("blend-images").in("low", low).in("high", high).in("by", by).out<Image>("image");
+    const Image out =
+        RunNode("blend-images").in("low", low).in("high", high).in("by", by).out<Image>("image");
     EXPECT_EQ(out.at(0, 0)[1], 1.0f);
     EXPECT_EQ(out.at(1, 0)[0], 2.0f);
     EXPECT_EQ(out.at(2, 0)[0], 3.0f);
-    EXPECT_NE(error_of([&] { RunNode("blend-images").in("low", low).in("high", Image(2, 1, 3)).in("by", by).run(); }), "");
+    EXPECT_NE(
+        error_of([&] {
+            RunNode("blend-images").in("low", low).in("high", Image(2, 1, 3)).in("by", by).run();
+        }),
+        "");
 }
 
 TEST(PreferUnbiased, leaves_noise_and_mends_bias) {
@@ -310,7 +386,12 @@ TEST(PreferUnbiased, leaves_noise_and_mends_bias) {
                 picture.at(x, y)[c] = x < 32 ? 1.0f : 1.3f;
                 other.at(x, y)[c] = 1.01f;
             }
-    const Image out = RunNode("prefer-unbiased").in("image", picture).in("other", other).in("mean", mean).in("variance", variance).out<Image>("image");
+    const Image out = RunNode("prefer-unbiased")
+                          .in("image", picture)
+                          .in("other", other)
+                          .in("mean", mean)
+                          .in("variance", variance)
+                          .out<Image>("image");
     for (int y = 0; y < 48; ++y) {
         EXPECT_NEAR(out.at(8, y)[0], 1.0f, 0.006f);
         EXPECT_NEAR(out.at(56, y)[0], 1.01f, 1e-5f);
@@ -320,7 +401,8 @@ TEST(PreferUnbiased, leaves_noise_and_mends_bias) {
 class RealSamplesByRpf : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealSamplesByRpf, are_far_closer_to_the_reference_than_their_means) {
-    const std::filesystem::path folder = std::filesystem::path(WEFT_SOURCE_DIR).parent_path() / "shared" / "data" / GetParam();
+    const std::filesystem::path folder =
+        std::filesystem::path(WEFT_SOURCE_DIR).parent_path() / "shared" / "data" / GetParam();
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no samples of " << GetParam();
     PlainContext ctx;
     const Image reference = read_picture((folder / "reference.exr").string());
@@ -329,7 +411,9 @@ TEST_P(RealSamplesByRpf, are_far_closer_to_the_reference_than_their_means) {
         return compare_pictures(run.picture, reference, ctx).measures.rel_mse;
     };
     // A box of one pixel holds its own samples only, and without weights they become their mean.
-    const double box = error(pass(R"("box": 1, "draws": 1)", R"("type": "constant-weights", "set": {"alpha": 0, "beta": 0})", R"("type": "bilateral-filter")", R"("rule": "none")"));
+    const double box = error(pass(R"("box": 1, "draws": 1)",
+                                  R"("type": "constant-weights", "set": {"alpha": 0, "beta": 0})",
+                                  R"("type": "bilateral-filter")", R"("rule": "none")"));
     EXPECT_LT(error(weft_preset), 0.25 * box);
 }
 INSTANTIATE_TEST_SUITE_P(All, RealSamplesByRpf, testing::Values("killeroos", "buddhas", "bmw"));

@@ -10,7 +10,9 @@
 
 namespace weft {
 
-inline float chance(std::uint64_t seed, std::uint64_t i) { return unit_float(mix(seed * 0x9e3779b9ull + mix(i))); }
+inline float chance(std::uint64_t seed, std::uint64_t i) {
+    return unit_float(mix(seed * 0x9e3779b9ull + mix(i)));
+}
 
 // What a sample's numbers are made of: film position and four random parameters.
 struct Drawn {
@@ -19,7 +21,8 @@ struct Drawn {
 using Color = std::function<float(const Drawn&)>;
 
 // Features: albedo as given, a tilted plane's position, one normal that wobbles a little.
-inline Samples feature_samples(int width, int height, int spp, const Color& color, const Color& albedo, std::uint64_t seed = 1) {
+inline Samples feature_samples(int width, int height, int spp, const Color& color,
+                               const Color& albedo, std::uint64_t seed = 1) {
     Samples s;
     s.width = width;
     s.height = height;
@@ -29,8 +32,12 @@ inline Samples feature_samples(int width, int height, int spp, const Color& colo
     std::vector<float> xy, uv, t, z(n, 4.0f), light, position, normal, shade, rgb;
     for (size_t i = 0; i < n; ++i) {
         const size_t pixel = i / size_t(spp);
-        const Drawn d{float(pixel % size_t(width)) + chance(seed, 8 * i), float(pixel / size_t(width)) + chance(seed, 8 * i + 1),
-                      2 * chance(seed, 8 * i + 2) - 1, 2 * chance(seed, 8 * i + 3) - 1, chance(seed, 8 * i + 4), chance(seed, 8 * i + 5)};
+        const Drawn d{float(pixel % size_t(width)) + chance(seed, 8 * i),
+                      float(pixel / size_t(width)) + chance(seed, 8 * i + 1),
+                      2 * chance(seed, 8 * i + 2) - 1,
+                      2 * chance(seed, 8 * i + 3) - 1,
+                      chance(seed, 8 * i + 4),
+                      chance(seed, 8 * i + 5)};
         xy.insert(xy.end(), {d.x, d.y});
         uv.insert(uv.end(), {0.7f * d.u, 0.7f * d.v});
         t.push_back(d.t);
@@ -53,6 +60,8 @@ inline Samples feature_samples(int width, int height, int spp, const Color& colo
     return s;
 }
 
-inline SampleVectors vectors_of(const Samples& samples) { return RunNode("build-vectors").in("samples", samples).out<SampleVectors>("vectors"); }
+inline SampleVectors vectors_of(const Samples& samples) {
+    return RunNode("build-vectors").in("samples", samples).out<SampleVectors>("vectors");
+}
 
 }  // namespace weft
