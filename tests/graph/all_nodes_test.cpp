@@ -17,10 +17,15 @@ const Registry& registry() {
     return Registry::instance();
 }
 
+// Those that this build has the nodes for: WEFT_RPF is an option.
 std::vector<std::string> shipped() {
+    const bool has_rpf = Registry::instance().type("build-vectors") != nullptr;
     std::vector<std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(WEFT_SOURCE_DIR "/graphs"))
-        if (entry.path().extension() == ".json" && entry.path().parent_path().filename() != "scenes") files.push_back(entry.path().string());
+    for (const auto& entry : fs::recursive_directory_iterator(WEFT_SOURCE_DIR "/graphs")) {
+        const fs::path& path = entry.path();
+        if (path.extension() != ".json" || path.parent_path().filename() == "scenes") continue;
+        if (has_rpf || !path.filename().string().starts_with("rpf")) files.push_back(path.string());
+    }
     std::sort(files.begin(), files.end());
     return files;
 }
