@@ -52,7 +52,7 @@ void LightSampleArrays::set(size_t i, const LightView& view, const LightHit& hit
     source_[i] = hit.source;
 }
 
-Samples LightSampleArrays::take(const LightView& view, const Samples& camera) && {
+Samples LightSampleArrays::take(const LightView& view, const Samples& camera, double part) && {
     const size_t kept = z_.size() - size_t(std::count(z_.begin(), z_.end(), 0.0f));
     const bool still = std::all_of(motion_.begin(), motion_.end(), [](float m) { return m == 0; });
     Samples out;
@@ -65,7 +65,7 @@ Samples LightSampleArrays::take(const LightView& view, const Samples& camera) &&
     // How dense samples are where a pixel of the light's film is as large as one of the camera's.
     Json light = Json::object();
     light.set("name", view.name);
-    light.set("camera_spp", view.spp);
+    light.set("camera_spp", view.spp * part);
     out.meta.set("light", std::move(light));
     if (const Json* curve = camera.meta.find("shutter_curve"))
         out.meta.set("shutter_curve", *curve);

@@ -32,8 +32,8 @@ class LightSampleArrays {
     void set(size_t place, const LightView& view, const LightHit& hit);
     // Whether `hit` can be: in front of the light, on its film, all numbers finite.
     static bool seen(const LightView& view, const LightHit& hit);
-    // The places that were set, in order.
-    Samples take(const LightView& view, const Samples& camera) &&;
+    // The places that were set, in order. `part` of the camera's samples asked this light at all.
+    Samples take(const LightView& view, const Samples& camera, double part = 1) &&;
 
   private:
     std::vector<float> xy_, uv_, t_, z_, motion_, gradient_;

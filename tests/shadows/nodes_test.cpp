@@ -36,15 +36,15 @@ std::string graph_of(const std::string& file, const std::string& kind, int seed 
     const std::string head = fmt::format(R"({{"weft": 1, "nodes": {{
         "scene":  {{"type": "read-scene", "set": {{"file": "{}"}}}},
         "render": {{"type": "render-samples", "in": {{"scene": "scene"}}, "set": {{"width": 96, "height": 60, "spp": {}, "seed": {}, "max-depth": 1, "mode": "direct",
-                   "channels": ["basic", "position", "geometric_normal", "normal", "albedo", "direct", "direct_unshadowed", "light_index"]}}}},
+                   "channels": ["basic", "position", "geometric_normal", "normal", "albedo", "direct", "direct_unshadowed", "light_index", "light_uv", "shadow_hit", "shadow_normal", "shadow_motion"]}}}},
         "write":  {{"type": "write-image", "in": {{"image": "picture"}}, "set": {{"file": "OUT", "depth": "float"}}}},)",
                                          file, kind == "reference" ? 256 : 4, seed);
-    if (kind != "shadows")
+    if (kind != "shadows" && kind != "recorded")
         return head +
                R"("picture": {"type": "pixel-filter", "in": {"samples": "render"}, "set": {"filter": "box"}}}})";
-    return head + R"(
+    std::string text = head + R"(
         "view":      {"type": "fit-light-view", "in": {"samples": "render"}},
-        "rays":      {"type": "render-light-samples", "in": {"scene": "scene", "samples": "render", "light-view": "view"}},
+        "rays":      RAYS,
         "density":   {"type": "light-jacobian", "in": {"samples": "render", "light-view": "view"}},
         "separate":  {"type": "separate-light", "in": {"samples": "density", "light-view": "view"}},
         "direct":    {"type": "smooth-radiance", "in": {"samples": "separate.direct"}},
@@ -55,6 +55,11 @@ std::string graph_of(const std::string& file, const std::string& kind, int seed 
                       "in": {"locations": "locations", "seen": "see.seen", "hierarchy": "hierarchy", "samples": "density", "light-view": "view", "light-samples": "rays"}},
         "shade":     {"type": "shade-visible", "in": {"colors": "see.colors", "shares": "shadow.shares", "queries": "shadow.queries", "direct": "direct"}},
         "picture":   {"type": "accumulate", "in": {"colors": "shade", "locations": "locations"}}}})";
+    return text.replace(
+        text.find("RAYS"), 4,
+        kind == "recorded"
+            ? R"({"type": "light-samples-from-file", "in": {"samples": "render", "light-view": "view"}})"
+            : R"({"type": "render-light-samples", "in": {"scene": "scene", "samples": "render", "light-view": "view"}})");
 }
 
 double rmse(const Image& a, const Image& b) {
@@ -90,6 +95,79 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"moving_ball_open_lens",
                          scene_text(quad, 1, R"(, "focus": 6.5, "lens": {"radius": 0.08})")}),
     [](const auto& of) { return std::string(of.param.name); });
+
+TEST(LightSamplesFromFile, NeedNoScene) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    for (const std::string& scene :
+         {scene_text(quad), scene_text(disc), scene_text(moving_quad), scene_text(quad, 1)}) {
+        std::ofstream(file) << scene;
+        const Image truth = GraphRun(graph_of(file, "reference", 7)).picture;
+        const double input = rmse(GraphRun(graph_of(file, "input")).picture, truth);
+        EXPECT_LT(rmse(GraphRun(graph_of(file, "recorded")).picture, truth), 0.9 * input);
+    }
+}
+
+// Samples of a scene with all that light samples are made of, and a view of its light.
+struct Seen {
+    Samples samples;
+    LightView view;
+    explicit Seen(const std::string& scene) {
+        TestFolder folder;
+        const std::string file = folder / "scene.json";
+        std::ofstream(file) << scene;
+        const Scene read = RunNode("read-scene").set("file", file).out<Scene>("scene");
+        samples = RunNode("render-samples")
+                      .set("width", 48)
+                      .set("height", 30)
+                      .set("spp", 2)
+                      .set("channels", Json::list({Json("all")}))
+                      .in("scene", read)
+                      .out<Samples>("samples");
+        view = RunNode("fit-light-view").in("samples", samples).out<LightView>("light-view");
+    }
+};
+
+TEST(LightSamplesFromFile, SaysWhatIsWrong) {
+    const Seen round(scene_text(ball));
+    const auto error = [](const Samples& samples, const LightView& view) {
+        return error_of([&] {
+            RunNode("light-samples-from-file")
+                .in("samples", samples)
+                .in("light-view", view)
+                .out<Samples>("light-samples");
+        });
+    };
+    EXPECT_NE(error(round.samples, round.view).find("is a ball"), std::string::npos);
+    const Seen flat(scene_text(quad));
+    EXPECT_EQ(error(flat.samples, flat.view), "");
+    Samples wrong = flat.samples;
+    wrong.add("shadow_hit", 3, std::vector<float>(3 * wrong.size(), 77.0f));
+    EXPECT_NE(error(wrong, flat.view).find("none of"), std::string::npos);
+}
+
+TEST(LightSamplesFromCamera, AreTheCamerasHits) {
+    const Seen flat(scene_text(quad));
+    const Samples made = RunNode("light-samples-from-camera")
+                             .in("samples", flat.samples)
+                             .in("light-view", flat.view)
+                             .out<Samples>("light-samples");
+    size_t hits = 0;
+    for (const float z : flat.samples.z()) hits += std::isfinite(z);
+    EXPECT_EQ(made.size(), hits);
+    const auto position = flat.samples.values("position");
+    const auto& source = made.find("source")->ids;
+    for (size_t i = 0; i < made.size(); ++i) {
+        const size_t j = source[i];
+        const Point3 p = flat.view.from_world(
+            {double(position[3 * j]), double(position[3 * j + 1]), double(position[3 * j + 2])},
+            0.5);
+        EXPECT_NEAR(made.z()[i], p.z, 1e-4 * p.z) << i;
+        const auto q = flat.view.project(p, double(made.uv()[2 * i]), double(made.uv()[2 * i + 1]));
+        EXPECT_NEAR(made.xy()[2 * i], q[0], 0.05) << i;
+        EXPECT_NEAR(made.xy()[2 * i + 1], q[1], 0.05) << i;
+    }
+}
 
 // What a node says of a scene's samples.
 std::string error_with(const std::string& scene, const std::string& light = "") {
