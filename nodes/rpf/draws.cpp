@@ -1,6 +1,7 @@
 #include "rpf/draws.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -77,8 +78,44 @@ Places random_places(const DrawSettings& by) {
             places.cells.push_back(
                 std::uint16_t(found ? (place.dy + half) * side + place.dx + half : side * side));
     }
+    const size_t all = size_t(side) * size_t(side) + 1;
+    places.in_run.assign(places.cells.size() / Places::run * all, 0);
+    for (size_t i = 0; i < places.cells.size() / Places::run * Places::run; ++i)
+        ++places.in_run[i / Places::run * all + places.cells[i]];
     return places;
 }
+
+// Adds how often each cell is among draws [begin, begin + some): whole runs at once.
+void add_counts(const Places& places, size_t begin, size_t some,
+                std::vector<std::uint16_t>& counts) {
+    const size_t end = begin + some, all = counts.size();
+    const auto one_by_one = [&](size_t to) {
+        for (; begin < to; ++begin) ++counts[places.cells[begin]];
+    };
+    one_by_one(std::min(end, (begin + Places::run - 1) / Places::run * Places::run));
+    for (; begin + Places::run <= end; begin += Places::run) {
+        const std::uint16_t* of = &places.in_run[begin / Places::run * all];
+        for (size_t cell = 0; cell < all; ++cell)
+            counts[cell] = std::uint16_t(counts[cell] + of[cell]);
+    }
+    one_by_one(end);
+}
+
+// Knuth's linear congruence, and what several steps of it are at once.
+struct Steps {
+    static constexpr size_t most = 8;
+    std::array<std::uint64_t, most + 1> factor{1}, summand{0};
+    constexpr Steps() {
+        for (size_t k = 0; k < most; ++k) {
+            factor[k + 1] = factor[k] * 6364136223846793005u;
+            summand[k + 1] = summand[k] * 6364136223846793005u + 1442695040888963407u;
+        }
+    }
+    std::uint64_t after(size_t steps, std::uint64_t state) const {
+        return factor[steps] * state + summand[steps];
+    }
+};
+constexpr Steps steps;
 
 bool within(PixelBlock block, int x, int y) {
     return x >= block.x0 && x < block.x1 && y >= block.y0 && y < block.y1;
@@ -112,34 +149,38 @@ class Drawer {
     }
 
     // Each draw takes any sample of its pixel.
-    void gaussian(std::span<const std::uint16_t> cells, DrawScratch& scratch,
+    void gaussian(const Places& places, DrawScratch& scratch,
                   std::vector<std::uint32_t>& drawn) const {
         find_inside(scratch);
         // Near the picture's corners three of four draws fall outside: as many more are made.
-        count(cells, 8 * by_.draws, scratch);
-        drawn.resize(by_.draws);
+        count(places, 8 * by_.draws, scratch);
+        drawn.resize(by_.draws + 2 * at_once);
         std::uint32_t* to = drawn.data();
         std::uint64_t state = chance_;
         each_cell([&](size_t cell, Samples::Range of) {
-            const std::uint32_t* const last = to + scratch.counts[cell] * scratch.inside[cell];
-            for (; to < last; ++to) {
-                state = state * 6364136223846793005u +
-                        1442695040888963407u;  // Knuth's linear congruence, upper half
-                *to = std::uint32_t(of.begin + ((state >> 32) * (of.end - of.begin) >> 32));
+            const size_t taken = size_t(scratch.counts[cell]) * scratch.inside[cell];
+            const std::uint64_t begin = of.begin, n = of.end - of.begin;
+            // Always as many as `at_once`, taken or not: sooner done than asked.
+            for (size_t i = 0; i < std::max(taken, at_once); i += at_once) {
+                for (size_t k = 0; k < at_once; ++k)
+                    to[i + k] =
+                        std::uint32_t(begin + ((steps.after(k + 1, state) >> 32) * n >> 32));
+                state = steps.after(std::min(taken - i, at_once), state);
             }
+            to += taken;
         });
         drawn.resize(size_t(to - drawn.data()));
     }
 
     // How often each pixel was drawn is how many of its samples are taken, as far as it has so
     // many.
-    void distinct(std::span<const std::uint16_t> cells, DrawScratch& scratch,
+    void distinct(const Places& places, DrawScratch& scratch,
                   std::vector<std::uint32_t>& drawn) const {
         scratch.counts.assign(size_t(side_of(by_)) * size_t(side_of(by_)) + 1, 0);
-        const size_t at = size_t(chance_ % cells.size());
+        const size_t all = places.cells.size(), at = size_t(chance_ % all);
         for (size_t left = by_.draws, begin = at; left > 0; begin = 0) {
-            const size_t some = std::min(left, cells.size() - begin);
-            for (const std::uint16_t cell : cells.subspan(begin, some)) ++scratch.counts[cell];
+            const size_t some = std::min(left, all - begin);
+            add_counts(places, begin, some, scratch.counts);
             left -= some;
         }
         drawn.resize(by_.draws + 2 * at_once);
@@ -158,22 +199,24 @@ class Drawer {
     }
 
   private:
-    static constexpr size_t at_once = 8;
+    static constexpr size_t at_once = Steps::most;
 
     // Draws until there are enough that are inside.
-    void count(std::span<const std::uint16_t> cells, size_t tries, DrawScratch& scratch) const {
+    void count(const Places& places, size_t tries, DrawScratch& scratch) const {
         scratch.counts.assign(scratch.inside.size(), 0);
-        if (cells.empty()) return;
-        size_t at = size_t(chance_ % cells.size()), found = 0;
+        const size_t all = places.cells.size();
+        if (all == 0) return;
+        size_t at = size_t(chance_ % all), found = 0;
         while (tries > 0 && found < by_.draws) {
             // No more than are wanted, so that none is too many.
-            const size_t some = std::min({tries, by_.draws - found, cells.size() - at});
-            for (const std::uint16_t cell : cells.subspan(at, some)) {
-                ++scratch.counts[cell];
-                found += scratch.inside[cell];
-            }
+            const size_t some = std::min({tries, by_.draws - found, all - at});
+            add_counts(places, at, some, scratch.counts);
+            std::uint32_t inside = 0;
+            for (size_t cell = 0; cell < scratch.inside.size(); ++cell)
+                inside += std::uint32_t(scratch.counts[cell]) * scratch.inside[cell];
+            found = inside;
             tries -= some;
-            at = (at + some) % cells.size();
+            at = (at + some) % all;
         }
     }
     void find_inside(DrawScratch& scratch) const {
@@ -211,7 +254,7 @@ class Drawer {
 }  // namespace
 
 Places make_places(const DrawSettings& by) {
-    return by.rule == DrawRule::stratified ? Places{stratified_places(by), {}} : random_places(by);
+    return by.rule == DrawRule::stratified ? Places{stratified_places(by), {}, {}} : random_places(by);
 }
 
 void draw(const Samples& samples, const DrawSettings& by, const Places& places, PixelBlock block,
@@ -222,9 +265,9 @@ void draw(const Samples& samples, const DrawSettings& by, const Places& places, 
         case DrawRule::stratified:
             return drawer.stratified(places.offsets, drawn);
         case DrawRule::gaussian:
-            return drawer.gaussian(places.cells, scratch, drawn);
+            return drawer.gaussian(places, scratch, drawn);
         case DrawRule::distinct:
-            return drawer.distinct(places.cells, scratch, drawn);
+            return drawer.distinct(places, scratch, drawn);
     }
 }
 

@@ -37,8 +37,11 @@ struct Offset {
 // of draws to start somewhere in: which cells of the box they fall into, counted row by row, the
 // one past the last being outside.
 struct Places {
+    static constexpr size_t run = 1024;
     std::vector<Offset> offsets;
     std::vector<std::uint16_t> cells;
+    // Of each whole run of that many draws: how often each cell is in it.
+    std::vector<std::uint16_t> in_run;
 };
 Places make_places(const DrawSettings& by);
 
