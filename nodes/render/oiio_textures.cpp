@@ -122,14 +122,44 @@ int texel(float u, int size, Wrap wrap, float& r) {
     return wrapped(int(low) + (part > 0 && chosen(part, r) ? 1 : 0), size, wrap);
 }
 
+// What the cache keeps for a thread, lent to a batch at a time. The cache's own, one a thread,
+// outlives it: the next cache at its address finds it again, with a tile that is gone.
+class ThreadInfos {
+  public:
+    explicit ThreadInfos(OIIO::ImageCache& cache) : cache_(cache) {}
+    ~ThreadInfos() {
+        for (OIIO::ImageCache::Perthread* info : idle_) cache_.destroy_thread_info(info);
+    }
+    ThreadInfos(const ThreadInfos&) = delete;
+    ThreadInfos& operator=(const ThreadInfos&) = delete;
+
+    OIIO::ImageCache::Perthread* take() {
+        const std::lock_guard guard(lock_);
+        if (idle_.empty()) return cache_.create_thread_info();
+        OIIO::ImageCache::Perthread* info = idle_.back();
+        idle_.pop_back();
+        return info;
+    }
+    void give_back(OIIO::ImageCache::Perthread* info) {
+        const std::lock_guard guard(lock_);
+        idle_.push_back(info);
+    }
+
+  private:
+    OIIO::ImageCache& cache_;
+    std::mutex lock_;
+    std::vector<OIIO::ImageCache::Perthread*> idle_;
+};
+
 // The tiles that a batch has at hand.
 class Held {
   public:
-    Held(OIIO::ImageCache& cache, OIIO::ImageCache::ImageHandle* file)
-        : cache_(cache), file_(file), thread_(cache.get_perthread_info()) {}
+    Held(OIIO::ImageCache& cache, ThreadInfos& infos, OIIO::ImageCache::ImageHandle* file)
+        : cache_(cache), infos_(infos), file_(file), thread_(infos.take()) {}
     ~Held() {
         for (Entry& e : entries_)
             if (e.tile) cache_.release_tile(e.tile);
+        infos_.give_back(thread_);
     }
     Held(const Held&) = delete;
     Held& operator=(const Held&) = delete;
@@ -158,6 +188,7 @@ class Held {
         int level = 0, column = 0, row = 0;
     };
     OIIO::ImageCache& cache_;
+    ThreadInfos& infos_;
     OIIO::ImageCache::ImageHandle* file_;
     OIIO::ImageCache::Perthread* thread_;
     Entry entries_[count];
@@ -166,7 +197,10 @@ class Held {
 class CachedTextures final : public Textures {
   public:
     CachedTextures(const Scene& scene, const std::vector<bool>& used, const TextureOptions& options)
-        : options_(options), cache_(OIIO::ImageCache::create(false)), files_(used.size()) {
+        : options_(options),
+          cache_(OIIO::ImageCache::create(false)),
+          infos_(std::make_unique<ThreadInfos>(*cache_)),
+          files_(used.size()) {
         cache_->attribute("max_memory_MB", float(double(options.cache_bytes) / (1 << 20)));
         cache_->attribute("max_open_files", 1 << 20);  // ours cost nothing
         try {
@@ -177,13 +211,13 @@ class CachedTextures final : public Textures {
                     check(*files_[i]);
                 }
         } catch (...) {
-            OIIO::ImageCache::destroy(cache_, true);
+            close();
             throw;
         }
     }
 
     ~CachedTextures() override {
-        OIIO::ImageCache::destroy(cache_, true);
+        close();
         Shelf& all = shelf();
         const std::lock_guard guard(all.lock);
         for (const auto& file : files_)
@@ -199,7 +233,7 @@ class CachedTextures final : public Textures {
         std::call_once(file->once, [&] { load(*file); });
         const TexturePyramid& pyramid = *file->pyramid;
         const float across = float(std::max(pyramid.width(0), pyramid.height(0)));
-        Held held(*cache_, file->handle);
+        Held held(*cache_, *infos_, file->handle);
         for (size_t i = 0; i < uv.size(); ++i) {
             float r = random[i];
             int level = 0;
@@ -357,8 +391,14 @@ class CachedTextures final : public Textures {
                                 told(opened.input->geterror())));
     }
 
+    void close() {
+        infos_.reset();
+        OIIO::ImageCache::destroy(cache_, true);
+    }
+
     TextureOptions options_;
     OIIO::ImageCache* cache_;
+    std::unique_ptr<ThreadInfos> infos_;
     std::vector<std::unique_ptr<File>> files_;
 };
 

@@ -1,6 +1,8 @@
 // Textures: exact texels, the mean of a filter, colours, wraps, purity, bounded memory, errors.
 #include "render/textures.h"
 
+#include <atomic>
+#include <barrier>
 #include <cmath>
 #include <fstream>
 #include <thread>
@@ -214,6 +216,34 @@ TEST(Textures, AreTheSameWhateverWasAskedBeforeAndFromAllThreads) {
     for (auto& f : found) threads.emplace_back([&] { f = all(*shared, 256); });
     for (auto& t : threads) t.join();
     for (const auto& f : found) EXPECT_EQ(f, expected);
+}
+
+// Threads that outlive scenes, as a pool's do, meet nothing of an earlier one's textures.
+TEST(Textures, OfOneSceneAfterAnotherOnTheSameThreads) {
+    constexpr int scenes = 300, threads = 3;
+    std::unique_ptr<Textures> textures;
+    std::barrier step(threads + 1);
+    std::vector<std::jthread> pool;
+    std::atomic<int> wrong = 0;
+    for (int k = 0; k < threads; ++k)
+        pool.emplace_back([&, k] {
+            for (int i = 0; i < scenes; ++i) {
+                step.arrive_and_wait();
+                // Not every thread in every scene.
+                for (int n = 0; n < 40 && (i + k) % 3 > 0; ++n)
+                    wrong += std::abs(one(*textures, 0, {(float(n) + 0.5f) / 64, 0.5f})[0] -
+                                      float(n) / 64) > 1e-3f;
+                step.arrive_and_wait();
+            }
+        });
+    const auto picture = png(ramp(64, 64));
+    for (int i = 0; i < scenes; ++i) {
+        textures = open_textures(scene_with({{"ramp.png", picture, false}}));
+        step.arrive_and_wait();
+        step.arrive_and_wait();
+        textures.reset();
+    }
+    EXPECT_EQ(wrong, 0);
 }
 
 TEST(Textures, HeightsBecomeTheNormalsThatTheyMake) {
