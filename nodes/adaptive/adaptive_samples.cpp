@@ -84,7 +84,7 @@ struct AdaptiveSamples {
                 all, tree.leaves(), capacity, double(first) / double(sampler.pixels())));
 
         size_t broken = 0;
-        double at_start = 0;
+        double largest_first = 0, left_first = 0;
         while (tree.samples() < all) {
             const size_t n = tree.request(all - tree.samples());
             if (n == 0) break;
@@ -92,11 +92,13 @@ struct AdaptiveSamples {
             std::vector<std::span<const float>> places;
             for (size_t d = 0; d < tree.dimensions(); ++d) places.push_back(tree.places(d));
             tree.insert(evaluate(sampler, places, 0, broken, ctx));
-            if (at_start == 0) at_start = tree.largest_error();
-            if (tree.largest_error() < 1e-4 * at_start) break;
-            ctx.progress(double(tree.samples()), double(all),
-                         fmt::format("samples, error {:.3g}",
-                                     tree.total_error() / double(sampler.pixels())));
+            const double largest = tree.largest_error(), left = tree.total_error();
+            if (largest_first == 0) largest_first = largest, left_first = left;
+            if (largest < 1e-4 * largest_first) break;
+            // In whole per cent: units are kept for as long as the process runs.
+            ctx.progress(
+                double(tree.samples()), double(all),
+                fmt::format("samples, {:.0f} % of the error left", 100 * left / left_first));
         }
         judge_broken(broken, tree.samples(), ctx);
         look_for_hidden_noise(sampler, settings.extent, tree, ctx);
