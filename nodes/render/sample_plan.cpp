@@ -21,8 +21,6 @@ SamplePlan::SamplePlan(const Image& counts) : width_(counts.width()), height_(co
                                 value, x, y, 1 << 20));
             first_.push_back(first_.back() + std::uint64_t(std::lround(value)));
         }
-    if (first_.back() == 0)
-        throw Error("'counts' asks for no sample in any pixel; expected some above 0");
 }
 
 bool BatchCursor::next(std::vector<PixelRun>& runs) {
