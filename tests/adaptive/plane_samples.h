@@ -87,12 +87,13 @@ inline double grating_pixel(int i, double L, double v, double coc = 0) {
            .5 * sinc(v / L) * sinc(1 / L) * lens * std::sin(2 * pi_here * (i + .5 - v / 2) / L);
 }
 
-// Root mean square over pixels at least `margin` from the picture's sides.
+// Root mean square over pixels at least `margin` from the picture's sides, and `rows` from its top
+// and bottom.
 inline double rmse_of(const Image& image, const std::function<double(int x, int y)>& exact,
-                      int margin = 0) {
+                      int margin = 0, int rows = 0) {
     double sum = 0;
     int n = 0;
-    for (int y = 0; y < image.height(); ++y)
+    for (int y = rows; y < image.height() - rows; ++y)
         for (int x = margin; x < image.width() - margin; ++x, ++n) {
             const double d = double(*image.at(x, y)) - exact(x, y);
             sum += d * d;

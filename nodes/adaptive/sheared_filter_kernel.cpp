@@ -1,0 +1,267 @@
+#include "adaptive/sheared_filter_kernel.h"
+
+#include <bit>
+
+#include "adaptive/sheared_weights.h"
+#include "samples/random.h"
+
+namespace weft::adaptive {
+
+// Of a pixel: its box, the way that samples are slid, and how far.
+struct ShearedFilter::Filter {
+    float x = 0, y = 0, half_x = 0.5f, half_y = 0.5f;
+    float vx = 0, vy = 0, sigma_t = INFINITY, reach_t = 1;
+    float coc_x = 0, coc_y = 0, sigma_lens = INFINITY, reach_lens = 2;
+    bool moves = false, blurs = false;
+};
+
+struct ShearedFilter::Sums {
+    double weight = 0, squares = 0;
+    double rgb[3] = {0, 0, 0};
+    double px = 0, py = 0, pxx = 0, pxy = 0, pyy = 0;  // where they are from the filter's middle
+    double rgb_x[3] = {0, 0, 0}, rgb_y[3] = {0, 0, 0};
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    std::uint32_t pixel = 0;
+
+    void add(double w, const float* color, double x, double y) {
+        weight += w, squares += w * w;
+        px += w * x, py += w * y;
+        pxx += w * x * x, pxy += w * x * y, pyy += w * y * y;
+        for (int c = 0; c < 3; ++c) {
+            const double v = w * double(color[c]);
+            rgb[c] += v, rgb_x[c] += v * x, rgb_y[c] += v * y;
+            low[c] = std::min(low[c], color[c]), high[c] = std::max(high[c], color[c]);
+        }
+    }
+    Pixel mean() const {
+        Pixel out;
+        if (!(weight > 0)) return out;
+        for (int c = 0; c < 3; ++c) out.rgb[c] = rgb[c] / weight;
+        out.effective = float(weight * weight / squares);
+        return out;
+    }
+    // The mean that they would have around the filter's middle.
+    Pixel fitted() const {
+        Pixel out = mean();
+        if (!(out.effective >= least_to_fit)) return out;
+        const double x = px / weight, y = py / weight;
+        const double xx = pxx / weight - x * x, xy = pxy / weight - x * y,
+                     yy = pyy / weight - y * y, det = xx * yy - xy * xy;
+        if (!(det > 1e-6 * xx * yy)) return out;
+        for (int c = 0; c < 3; ++c) {
+            const double fx = rgb_x[c] / weight - x * out.rgb[c],
+                         fy = rgb_y[c] / weight - y * out.rgb[c];
+            const double slope_x = (yy * fx - xy * fy) / det, slope_y = (xx * fy - xy * fx) / det;
+            out.rgb[c] =
+                std::clamp(out.rgb[c] - slope_x * x - slope_y * y, double(low[c]), double(high[c]));
+        }
+        return out;
+    }
+};
+
+namespace {
+
+constexpr float narrowest_move = 1e-3f;  // px: less is none
+constexpr int most_times = 16;           // at which a lens is looked through
+constexpr int lens_points = 16;          // of a lens with blades
+
+bool finite(const float* color) {
+    return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
+}
+
+}  // namespace
+
+ShearedFilter::ShearedFilter(const Samples& samples, const Image& slopes,
+                             const ShearedSettings& settings)
+    : samples_(samples),
+      paths_(samples),
+      slopes_(slopes, "sheared-filter"),
+      settings_(settings),
+      shutter_(shutter_of(samples.meta)),
+      rgb_(samples.rgb()),
+      weight_(samples.values("weight")) {
+    for (size_t pixel = 0; pixel < samples.pixels(); ++pixel) {
+        const float px = float(pixel % size_t(samples.width)),
+                    py = float(pixel / size_t(samples.width));
+        const auto range = samples.of_pixel(pixel);
+        for (size_t i = range.begin; i < range.end; ++i)
+            overhang_ = std::max({overhang_, px - paths_.x(i), paths_.x(i) - px - 1,
+                                  py - paths_.y(i), paths_.y(i) - py - 1});
+    }
+    overhang_ = std::min(overhang_, 1.0f);
+    if (shutter_.constant()) return;
+    mean_time_ = 0;
+    constexpr int steps = 256;
+    for (int k = 0; k < steps; ++k) {
+        const double t = (k + 0.5) / steps;
+        mean_time_ += t * double(shutter_.openness(float(t))) / steps;
+    }
+}
+
+ShearedFilter::Filter ShearedFilter::filter_of(const PixelSlopes& s, int x, int y) const {
+    constexpr double longest = 64;  // px a cycle: beyond that lower resolution would do
+    Filter out;
+    out.x = float(x) + 0.5f, out.y = float(y) + 0.5f;
+    const auto widened = [&](double band) {
+        const double period = std::min(1 / band, longest), pixel = 1 / pixel_band;
+        const double sigma =
+            double(settings_.across) * std::sqrt(std::max(period * period - pixel * pixel, 0.0));
+        return 12 * sigma * sigma;
+    };
+    const double along = widened(s.band()), aside = widened(s.band_across());
+    out.half_x = float(0.5 * std::sqrt(1 + along * s.nx * s.nx + aside * s.ny * s.ny));
+    out.half_y = float(0.5 * std::sqrt(1 + along * s.ny * s.ny + aside * s.nx * s.nx));
+    // Four windows are as good as endless ones.
+    const auto sigma = [&](double residual, double window) {
+        const double found = residual > 0 ? double(settings_.along) / residual : INFINITY;
+        return found < 4 * window ? float(found) : INFINITY;
+    };
+    if (s.motion && paths_.moving()) {
+        out.vx = float(s.vx()), out.vy = float(s.vy());
+        out.sigma_t = sigma(s.residual(), 1);
+        out.reach_t = std::min(1.0f, settings_.cap * out.sigma_t);
+        out.moves = std::hypot(out.vx, out.vy) > narrowest_move || out.sigma_t < INFINITY;
+    }
+    if (s.lens && paths_.has_lens()) {
+        out.coc_x = float(s.coc()) * paths_.lens().aspect, out.coc_y = float(s.coc());
+        out.sigma_lens = sigma(s.lens_residual(), 2);
+        out.reach_lens = std::min(2.0f, settings_.cap * out.sigma_lens);
+        out.blurs = std::abs(out.coc_y) > narrowest_move || out.sigma_lens < INFINITY;
+    }
+    return out;
+}
+
+float ShearedFilter::time_weight(const Filter& f, float dx, float dy, float t) const {
+    const Interval x = inside_box(dx, f.vx, f.half_x, t, 0, 1);
+    if (x.empty()) return 0;
+    const Interval in = inside_box(dy, f.vy, f.half_y, t, x.a, x.b);
+    if (in.empty()) return 0;
+    const float w = gaussian_over(in, t, f.sigma_t);
+    return shutter_.constant() ? w : w * shutter_.openness((in.a + in.b) / 2);
+}
+
+// u, v on the unit disc.
+float ShearedFilter::lens_weight(const Filter& f, float dx, float dy, float u, float v) const {
+    const Interval x = inside_box(dx, f.coc_x, f.half_x, u, -1, 1);
+    if (x.empty()) return 0;
+    const Interval y = inside_box(dy, f.coc_y, f.half_y, v, -1, 1);
+    if (y.empty()) return 0;
+    return gaussian_over(x, u, f.sigma_lens) * gaussian_over(y, v, f.sigma_lens) *
+           share_on_disc(x, y);
+}
+
+float ShearedFilter::weight(const Filter& f, size_t i, std::uint32_t pixel) const {
+    const float dx = paths_.x(i) - f.x, dy = paths_.y(i) - f.y;
+    const Lens& lens = paths_.lens();
+    if (!f.blurs) return time_weight(f, dx, dy, paths_.t(i));
+    const auto on = paths_.uv(i);
+    const float u = on[0] / lens.aspect, v = on[1], t = paths_.t(i);
+    if (!f.moves && lens.blades < 3) return lens_weight(f, dx, dy, u, v);
+
+    // Lens and shutter together have no closed form: one of them is looked at in points, which
+    // are shifted from pixel to pixel and sample to sample, so that they leave noise, not rings.
+    std::uint64_t key = mix(std::uint64_t(pixel) << 32 | std::uint64_t(i));
+    const auto falls = [](float way, float sigma) {
+        return sigma < INFINITY ? std::exp(-way * way / (2 * sigma * sigma)) : 1.0f;
+    };
+    float sum = 0;
+    if (lens.blades >= 3) {
+        const float shift_a = unit_float(key), shift_b = unit_float(mix(key));
+        for (int k = 0; k < lens_points; ++k) {
+            // An additive recurrence of low discrepancy (Roberts 2018).
+            const float a = std::fmod(shift_a + 0.7548777f * float(k), 1.0f),
+                        b = std::fmod(shift_b + 0.5698403f * float(k), 1.0f);
+            const auto p = on_lens(a, b, lens);
+            const float w = time_weight(f, dx + f.coc_x * (p[0] - u), dy + f.coc_y * (p[1] - v), t);
+            if (w > 0) sum += w * falls(std::hypot(p[0] - u, p[1] - v), f.sigma_lens);
+        }
+        return sum / lens_points;
+    }
+    const int times = std::clamp(int(std::ceil(std::hypot(f.vx, f.vy) * 2)), 4, most_times);
+    const float shift = unit_float(key);
+    for (int k = 0; k < times; ++k) {
+        const float at = (float(k) + shift) / float(times), way = at - t;
+        if (std::abs(way) > f.reach_t) continue;
+        const float w = lens_weight(f, dx + f.vx * way, dy + f.vy * way, u, v);
+        if (w > 0)
+            sum += w * falls(way, f.sigma_t) * (shutter_.constant() ? 1 : shutter_.openness(at));
+    }
+    return sum / float(times);
+}
+
+// All samples that may be slid into the pixel: along a thick line through it.
+void ShearedFilter::gather(const Filter& f, Sums& sums) const {
+    const float way_x = f.moves ? f.vx * f.reach_t : 0, way_y = f.moves ? f.vy * f.reach_t : 0;
+    const float pad_x = f.half_x + overhang_ + std::abs(f.coc_x) * f.reach_lens,
+                pad_y = f.half_y + overhang_ + std::abs(f.coc_y) * f.reach_lens;
+    const float rise = std::abs(way_y), run = way_y < 0 ? -way_x : way_x;
+    const auto at_most = [](float value, int most) {
+        return int(std::clamp(std::floor(value), -1.0f, float(most)));
+    };
+    const int first = std::max(at_most(f.y - rise - pad_y, samples_.height), 0),
+              last = std::min(at_most(f.y + rise + pad_y, samples_.height), samples_.height - 1);
+    for (int j = first; j <= last; ++j) {
+        // The part of the line, in [-1, 1], that comes near this row.
+        float from = -1, to = 1;
+        if (rise > 0) {
+            from = std::clamp((float(j) - pad_y - f.y) / rise, -1.0f, 1.0f);
+            to = std::clamp((float(j + 1) + pad_y - f.y) / rise, -1.0f, 1.0f);
+        }
+        const float a = f.x + run * from, b = f.x + run * to;
+        const int left = std::max(at_most(std::min(a, b) - pad_x, samples_.width), 0),
+                  right =
+                      std::min(at_most(std::max(a, b) + pad_x, samples_.width), samples_.width - 1);
+        for (int k = left; k <= right; ++k) {
+            const auto range = samples_.of_pixel(size_t(j) * size_t(samples_.width) + size_t(k));
+            // Where samples lie denser, each stands for less.
+            const double each = range.end > range.begin ? 1 / double(range.end - range.begin) : 0;
+            for (size_t i = range.begin; i < range.end; ++i) {
+                const float w = weight(f, i, sums.pixel);
+                if (!(w > 0) || !finite(&rgb_[3 * i])) continue;
+                // Where its path is at the shutter's mean time, from the lens's centre.
+                const auto on = paths_.uv(i);
+                const double way = mean_time_ - double(paths_.t(i));
+                sums.add(double(w) * (weight_.empty() ? each : double(weight_[i])), &rgb_[3 * i],
+                         double(paths_.x(i) - f.x - f.coc_y * on[0]) + double(f.vx) * way,
+                         double(paths_.y(i) - f.y - f.coc_y * on[1]) + double(f.vy) * way);
+            }
+        }
+    }
+}
+
+ShearedFilter::Pixel ShearedFilter::own_mean(int x, int y) const {
+    Sums sums;
+    const auto range = samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x));
+    for (size_t i = range.begin; i < range.end; ++i)
+        if (finite(&rgb_[3 * i]))
+            sums.add(weight_.empty() ? 1 : double(weight_[i]), &rgb_[3 * i], 0, 0);
+    Pixel out = sums.mean();
+    out.own_mean = true;
+    return out;
+}
+
+ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
+    const PixelSlopes s = slopes_(x, y);
+    const auto too_wide = [&](double lo, double hi) {
+        return lo <= 0 && hi >= 0 && hi - lo > double(settings_.wide);
+    };
+    const Pixel own = own_mean(x, y);
+    if (settings_.fallback && own.effective > 0 &&
+        (!s.known || too_wide(s.lo, s.hi) || too_wide(s.lens_lo, s.lens_hi)))
+        return own;
+    Filter f = filter_of(s, x, y);
+    for (int tries = 0; tries < 4; ++tries) {
+        Sums sums;
+        sums.pixel = std::uint32_t(y) * std::uint32_t(samples_.width) + std::uint32_t(x);
+        gather(f, sums);
+        const Pixel found = sums.fitted();
+        if (found.effective > 0) {
+            const bool fewer = found.effective < settings_.gain * own.effective;
+            return settings_.fallback && fewer ? own : found;
+        }
+        f.half_x *= 2, f.half_y *= 2;
+    }
+    return own;
+}
+
+}  // namespace weft::adaptive

@@ -1,0 +1,235 @@
+// The sheared filter against pictures that are known exactly.
+#include "adaptive/sheared_weights.h"
+#include "tests/adaptive/plane_samples.h"
+
+namespace weft {
+namespace {
+
+Image slopes_of(const Samples& samples, const char* effect = "both") {
+    return RunNode("slope-bounds")
+        .in("samples", samples)
+        .set("effect", effect)
+        .out<Image>("slopes");
+}
+Image sheared(const Samples& samples, const char* effect = "both", const char* port = "image") {
+    return RunNode("sheared-filter")
+        .in("samples", samples)
+        .in("slopes", slopes_of(samples, effect))
+        .out<Image>(port);
+}
+Image box(const Samples& samples) {
+    return RunNode("pixel-filter").in("samples", samples).out<Image>("image");
+}
+
+TEST(ShearedWeights, are_their_integrals) {
+    EXPECT_NEAR(adaptive::gaussian_over_window(.4, .5, .3, .8, 1.2, 1), .4391773, 5e-8);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 100; ++i) {
+        const double D = unit(random), Y = unit(random), sx = .1 + .4 * std::abs(unit(random)),
+                     sy = .1 + std::abs(unit(random)), s = 2 * unit(random),
+                     A = .5 + std::abs(unit(random));
+        double sum = 0;
+        constexpr int n = 20000;
+        for (int k = 0; k < n; ++k) {
+            const double y = A * ((k + .5) / n * 2 - 1), across = D + s * (Y - y);
+            sum += std::exp(-across * across / (2 * sx * sx) - (Y - y) * (Y - y) / (2 * sy * sy));
+        }
+        EXPECT_NEAR(adaptive::gaussian_over_window(D, Y, sx, sy, s, A), sum * 2 * A / n, 1e-6);
+    }
+    for (int i = 0; i < 100; ++i) {
+        const auto interval = [&] {
+            const double a = 1.3 * unit(random), b = 1.3 * unit(random);
+            return adaptive::Interval{float(std::min(a, b)), float(std::max(a, b)) + .01f};
+        };
+        const adaptive::Interval x = interval(), y = interval();
+        int on = 0;
+        constexpr int n = 400;
+        for (int j = 0; j < n; ++j)
+            for (int k = 0; k < n; ++k)
+                on += std::hypot(x.a + x.length() * (j + .5f) / n,
+                                 y.a + y.length() * (k + .5f) / n) < 1;
+        EXPECT_NEAR(adaptive::share_on_disc(x, y), double(on) / (n * n), 4e-3);
+    }
+}
+
+struct Wave {
+    double L, v;
+};
+const Wave waves[] = {{8, 6}, {16, 24}, {4, 3}};
+
+// Oracle: a moving texture. Where slopes are exact, four samples a pixel are enough.
+TEST(ShearedFilter, of_a_moving_texture_is_far_better_than_its_samples) {
+    EXPECT_NEAR(.5 * sinc(6 / 8.) * sinc(1 / 8.), .14622568, 1e-8);
+    double worst = 0;
+    for (const Wave& w : {waves[0], waves[1]}) {
+        double filtered = 0, plain = 0;
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+            // Independent rows: one-dimensional pictures.
+            BufferShape shape{96, 16, 4, seed};
+            const Samples samples = samples_of_scene(shape, grating(w.L, w.v));
+            const auto exact = [&](int x, int) { return grating_pixel(x, w.L, w.v); };
+            filtered += std::pow(rmse_of(sheared(samples), exact, 25), 2) / 4;
+            plain += std::pow(rmse_of(box(samples), exact, 25), 2) / 4;
+        }
+        RecordProperty("sheared", std::to_string(std::sqrt(filtered)));
+        RecordProperty("plain", std::to_string(std::sqrt(plain)));
+        EXPECT_LT(std::sqrt(filtered), .035) << w.L << ", plain " << std::sqrt(plain);
+        worst = std::max(worst, std::sqrt(filtered / plain));
+    }
+    EXPECT_LT(worst, .6);
+}
+
+// Dense limit: the exact picture, but for the blur that the filter is known to have.
+TEST(ShearedFilter, of_many_samples_is_exact) {
+    for (const Wave& w : waves) {
+        BufferShape shape{64, 2, 1024};
+        const Samples samples = samples_of_scene(shape, grating(w.L, w.v));
+        const double band = std::min(.5, 1 / w.v), sigma = .08 * std::sqrt(1 / (band * band) - 4),
+                     blur = std::exp(-2 * pi_here * pi_here * sigma * sigma / (w.L * w.L));
+        const Image out = sheared(samples);
+        for (int x = 25; x < 39; ++x)
+            EXPECT_NEAR(*out.at(x, 0), .5 + blur * (grating_pixel(x, w.L, w.v) - .5), .01)
+                << w.L << " " << w.v;
+    }
+    const Samples still = samples_of_scene({64, 2, 1024}, grating(8, 0));
+    const Image out = sheared(still);
+    for (int x = 0; x < 64; ++x) EXPECT_NEAR(*out.at(x, 0), grating_pixel(x, 8, 0), 2e-3);
+}
+
+// Oracle: defocus of one plane, and both at once.
+TEST(ShearedFilter, of_defocus_and_of_both_is_what_disc_and_shutter_leave) {
+    for (const auto& [coc, share] :
+         {std::pair{1., .92485024}, {2., .72170284}, {3., .44923315}, {4., .18119175}}) {
+        EXPECT_NEAR(2 * std::cyl_bessel_j(1, 2 * pi_here * coc / 8) / (2 * pi_here * coc / 8),
+                    share, 1e-7);
+        for (const double v : {0., 3.}) {
+            BufferShape shape{48, 40, 4};
+            shape.c1 = float(coc);
+            const auto scene = [&](double x, double, double t, double u, double) {
+                return SeenPoint{.5 + .5 * std::sin(2 * pi_here * (x - v * t - coc * u) / 8),
+                                 INFINITY, v, 0};
+            };
+            const Samples samples = samples_of_scene(shape, scene);
+            const auto exact = [&](int x, int) { return grating_pixel(x, 8, v, coc); };
+            const Image out = sheared(samples);
+            const double filtered = rmse_of(out, exact, 12, 10),
+                         plain = rmse_of(box(samples), exact, 12, 10);
+            EXPECT_LT(filtered, .025) << coc << " " << v << ", plain " << plain;
+            EXPECT_LT(filtered, plain) << coc << " " << v;
+        }
+    }
+}
+
+// Oracle: an edge that moves, one texture on either side and one speed.
+double edge_pixel(int i, double at, double v) {
+    const auto I = [](double s) { return s < 0 ? 0 : s < 1 ? s * s / 2 : s - .5; };
+    return (I(at + v - i) - I(at - i)) / v;
+}
+TEST(ShearedFilter, of_a_moving_edge_is_its_ramp) {
+    EXPECT_NEAR(edge_pixel(10, 10, 6), .916667, 1e-6);
+    EXPECT_NEAR(edge_pixel(12, 10.25, 6), .625, 1e-6);
+    for (const double at : {10., 10.25}) {
+        const Samples samples =
+            samples_of_scene({32, 16, 16}, [&](double x, double, double t, double, double) {
+                return SeenPoint{x < at + 6 * t ? 1. : 0., 1, 6, 0};
+            });
+        const auto exact = [&](int x, int) { return edge_pixel(x, at, 6); };
+        EXPECT_LT(rmse_of(sheared(samples), exact, 3), .02);
+        EXPECT_LT(rmse_of(sheared(samples), exact, 3), rmse_of(box(samples), exact, 3));
+    }
+}
+
+// Oracle: a moving disc over black; the share of the shutter at its middle line is a chord.
+TEST(ShearedFilter, of_a_moving_disc_is_its_chord) {
+    const Samples samples =
+        samples_of_scene({48, 48, 16}, [](double x, double y, double t, double, double) {
+            return SeenPoint{std::hypot(x - 10 - 28 * t, y - 24) < 9 ? 1. : 0., 1, 28, 0};
+        });
+    const Image out = sheared(samples);
+    double mean = 0;
+    for (int x = 20; x < 28; ++x) mean += double(*out.at(x, 24) + *out.at(x, 23)) / 16;
+    EXPECT_NEAR(mean, .6428571, .02);
+}
+
+// Oracle: a plane that moves over one that stands still. Beyond two pixels of the swept edge
+// nothing leaks.
+TEST(ShearedFilter, of_two_planes_does_not_leak) {
+    const double edge = 20, v = 4;
+    for (int seed = 1; seed <= 4; ++seed) {
+        const Samples samples = samples_of_scene(
+            {48, 16, 8, std::uint64_t(seed)}, [&](double x, double, double t, double, double) {
+                return x < edge + v * t ? SeenPoint{1, 1, v, 0} : SeenPoint{0, 2, 0, 0};
+            });
+        const Image out = sheared(samples), plain = box(samples);
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < 48; ++x) {
+                if (x + 1 < edge - 2) {
+                    EXPECT_EQ(*out.at(x, y), 1.0f) << x;
+                }
+                if (x > edge + v + 2) {
+                    EXPECT_EQ(*out.at(x, y), 0.0f) << x;
+                }
+            }
+        const auto exact = [&](int x, int) { return edge_pixel(x, edge, v); };
+        EXPECT_LE(rmse_of(out, exact), rmse_of(plain, exact));
+        EXPECT_LT(rmse_of(out, exact), .06);
+    }
+}
+
+TEST(ShearedFilter, keeps_a_constant_to_the_bit) {
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 12; ++i) {
+        BufferShape shape{24, 24, 1 + i % 5, std::uint64_t(i)};
+        if (i % 3) shape.c0 = float(5 * unit(random)), shape.c1 = float(5 * unit(random));
+        const double vx = 10 * unit(random), vy = 10 * unit(random), value = std::abs(unit(random));
+        const Samples samples =
+            samples_of_scene(shape, [&](double x, double y, double, double, double) {
+                return SeenPoint{value, x + y < 20 ? 1. : 2., vx, vy};
+            });
+        const Image out = sheared(samples);
+        for (const float kept : out.pixels()) ASSERT_EQ(kept, float(value));
+    }
+}
+
+// Random planes: speeds, ways, wavelengths, circles, samples and seeds; never above the box filter.
+TEST(ShearedFilter, of_random_planes_is_never_worse_than_the_box) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 12; ++i) {
+        const double L = 6 + 20 * unit(random), speed = 16 * unit(random),
+                     angle = 2 * pi_here * unit(random);
+        const double vx = speed * std::cos(angle), vy = speed * std::sin(angle);
+        BufferShape shape{48, 48, 1 + int(8 * unit(random)), std::uint64_t(i)};
+        if (i % 2) shape.c1 = float(4 * unit(random));
+        const double coc = double(shape.c1);
+        const Samples samples =
+            samples_of_scene(shape, [&](double x, double, double t, double u, double) {
+                return SeenPoint{.5 + .5 * std::sin(2 * pi_here * (x - vx * t - coc * u) / L),
+                                 INFINITY, vx, vy};
+            });
+        const auto exact = [&](int x, int) { return grating_pixel(x, L, vx, coc); };
+        EXPECT_LE(rmse_of(sheared(samples), exact, 18), rmse_of(box(samples), exact, 18) + 1e-9)
+            << "speed " << vx << ", " << vy << ", L " << L << ", coc " << coc << ", spp "
+            << shape.spp;
+    }
+}
+
+TEST(ShearedFilter, works_without_motion_and_lens_and_says_what_does_not_fit) {
+    Samples still = samples_of_scene({8, 8, 4, 1, 0, 0, false}, grating(8, 0));
+    const Image out = sheared(still), plain = box(still);
+    for (size_t i = 0; i < out.pixels().size(); ++i)
+        EXPECT_NEAR(out.pixels()[i], plain.pixels()[i], 1e-6);
+    const Samples other = samples_of_scene({9, 8, 1}, grating(8, 0));
+    EXPECT_NE(error_of([&] {
+                  RunNode("sheared-filter")
+                      .in("samples", other)
+                      .in("slopes", slopes_of(still))
+                      .out<Image>("image");
+              }).find("'slopes' is 8 x 8, the samples 9 x 8"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace weft
