@@ -55,13 +55,15 @@ double leaf_error(std::span<const float> rgb, double volume, Contrast contrast) 
     return volume * (sum + 1e-5);
 }
 
-// Rows and columns of cells are shifted from one slab (of the axes behind x and y) to the next: what a cell leaves
-// unresolved at its sides then averages out over the slabs, where sides in line would add up.
+// Rows and columns of cells are shifted from one slab (of the axes behind x and y) to the next:
+// what a cell leaves unresolved at its sides then averages out over the slabs, where sides in line
+// would add up.
 Tree::Tree(const TreeSettings& settings, size_t initial_samples) : settings_(settings) {
     const size_t axes = dimensions();
     requested_.resize(axes);
     at_.resize(axes);
-    const std::vector<size_t> cells = initial_cells(settings_.extent, initial_samples / settings_.capacity);
+    const std::vector<size_t> cells =
+        initial_cells(settings_.extent, initial_samples / settings_.capacity);
     size_t slabs = 1;
     for (size_t d = 2; d < axes; ++d) slabs *= cells[d];
     const auto along = [&](size_t d, size_t slab) {

@@ -38,8 +38,7 @@ struct UniformSamples {
         ctx.parallel_rows(sampler.height, [&](Rows rows) {
             for (int y = rows.begin; y < rows.end; ++y)
                 for (int x = 0; x < sampler.width; ++x) {
-                    const SampleSequence numbers =
-                        sample_sequence(sequence, seed, x, y, per_pixel);
+                    const SampleSequence numbers = sample_sequence(sequence, seed, x, y, per_pixel);
                     const size_t first = (size_t(y) * size_t(sampler.width) + size_t(x)) * spp;
                     for (size_t i = 0; i < spp; ++i)
                         for (size_t d = 0; d < axes; d += 2) {

@@ -23,7 +23,9 @@ struct OutputLocations {
 
     static void declare(Ports<OutputLocations>& node) {
         node.about("points (x, y, u, v, t) to reconstruct, slice by slice of one common (u, v, t)")
-            .in<Hierarchy>("hierarchy", "gives the picture's size and the lens")
+            .in<Hierarchy>("hierarchy", "gives the picture's size, lens and shutter",
+                           Need::optional)
+            .in<Samples>("samples", "gives them where there is no hierarchy", Need::optional)
             .out<Locations>("locations", "those of one tile, one slice a batch")
             .param("per-pixel", &OutputLocations::per_pixel, {.min = 1, .max = 1 << 20, .about = "locations a pixel"})
             .param("per-slice", &OutputLocations::per_slice,
@@ -48,19 +50,28 @@ struct OutputLocations {
     };
 
     Extent extent(const Inputs& in) const {
-        const Hierarchy& h = in.get<Hierarchy>("hierarchy");
-        return {h.width, h.height};
+        if (const Hierarchy* h = in.find<Hierarchy>("hierarchy")) return {h->width, h->height};
+        if (const Samples* s = in.find<Samples>("samples")) return {s->width, s->height};
+        throw Error("the picture's size is not known; link 'hierarchy' or 'samples'");
     }
 
     size_t slices() const { return size_t((per_pixel + per_slice - 1) / per_slice); }
 
-    void prepare(const Hierarchy& h, Scratch& scratch) const {
+    void prepare(const Inputs& in, Scratch& scratch) const {
         if (!scratch.points.empty()) return;
+        Lens shape;
+        ShutterCurve shutter;
+        if (const Hierarchy* h = in.find<Hierarchy>("hierarchy")) {
+            shape = h->lens, shutter = h->shutter;
+        } else {
+            const Samples& samples = in.get<Samples>("samples");
+            shape = samples.lens.value_or(Lens{}), shutter = shutter_of(samples.meta);
+        }
         for (size_t i = 0; i < slices(); ++i)
             for (int set = 0; set < sets; ++set) {
                 light_field::LensPoint p =
-                    light_field::lens_point(seed + 0x9e37u * std::uint64_t(set), std::uint32_t(i), std::uint32_t(slices()), h.lens);
-                p.t = h.shutter.time(p.t);
+                    light_field::lens_point(seed + 0x9e37u * std::uint64_t(set), std::uint32_t(i), std::uint32_t(slices()), shape);
+                p.t = shutter.time(p.t);
                 if (lens == Choice::fixed) p.u = u, p.v = v;
                 if (time == Choice::fixed) p.t = t;
                 scratch.points.push_back(p);
@@ -68,12 +79,11 @@ struct OutputLocations {
     }
 
     bool next(const Inputs& in, size_t index, Outputs& out, Scratch& scratch) const {
-        const Hierarchy& h = in.get<Hierarchy>("hierarchy");
         const Tile& tile = in.tile();
         // Slice by slice, set by set, location by location of a pixel: what shares (u, v, t) is neighbours.
         const size_t each = size_t(per_slice), point = index / each, i = point / size_t(sets) * each + index % each;
         const int set = int(point % size_t(sets));
-        prepare(h, scratch);
+        prepare(in, scratch);
         if (point >= scratch.points.size()) return false;
         if (!scratch.filled || scratch.of.index != tile.index || index == 0) {
             scratch.scramble_x.clear();
@@ -113,7 +123,7 @@ struct OutputLocations {
             const std::uint32_t *scramble_x = &scratch.scramble_x[pixel],
                                 *scramble_y = &scratch.scramble_y[pixel];
             const std::uint32_t first =
-                std::uint32_t(y) * std::uint32_t(h.width) + std::uint32_t(tile.x0);
+                std::uint32_t(y) * std::uint32_t(in.extent().width) + std::uint32_t(tile.x0);
             for (size_t k = 0; k < wide; ++k) {
                 to_x[k] = float(tile.x0 + int(k)) +
                           (spread ? unit_float(pattern[0] ^ scramble_x[k]) : 0.5f);

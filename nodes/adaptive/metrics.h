@@ -1,0 +1,28 @@
+// Metrics: which way the picture varies around each sample, over all axes: a distance of its own
+// for each, in which what is alike is near.
+#pragma once
+#include <memory>
+
+#include "adaptive/point_tree.h"
+#include "adaptive/scaled_space.h"
+#include "runtime/value.h"
+
+namespace weft {
+
+struct Metrics {
+    int width = 0, height = 0;  // px
+    adaptive::ScaledSpace space;
+    std::shared_ptr<const adaptive::PointTree> tree;  // the samples in it
+    std::vector<float> upper;  // in the tree's order: upper triangle by rows, determinant 1
+
+    size_t dimensions() const { return space.axes.size(); }
+    size_t size() const { return tree ? tree->size() : 0; }
+    size_t numbers() const { return dimensions() * (dimensions() + 1) / 2; }  // of a sample
+    size_t bytes() const { return 4 * (upper.size() + size() * (dimensions() + 1)); }
+    void count(Items& items) const { items.add("samples", size()); }
+    void describe(FieldVisitor& see) const;
+};
+
+WEFT_VALUE_TYPE(Metrics, "Metrics", "a distance around each sample, of all its axes")
+
+}  // namespace weft
