@@ -108,6 +108,8 @@ int nodes(const std::string& family, bool json) {
 int node(const std::string& type, bool json) {
     const NodeDecl* decl = Registry::instance().find(type);
     if (!decl) {
+        if (const std::string_view option = Registry::instance().option_of(type); !option.empty())
+            throw UsageError(fmt::format("no node type '{}': this build was made without it; configure with -D{}=ON", type, option));
         std::vector<std::string> names;
         for (const NodeDecl* other : Registry::instance().all()) names.push_back(other->type);
         throw UsageError(fmt::format("no node type '{}'{}; 'weft nodes' lists all", type, suggestion(type, names)));

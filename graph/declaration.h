@@ -60,6 +60,8 @@ class Catalog {
     virtual ~Catalog() = default;
     virtual const NodeDecl* find(std::string_view type) const = 0;
     virtual std::vector<const NodeDecl*> all() const = 0;  // sorted by family, then type
+    // The option of a build that this type comes with; "" where it is in every build.
+    virtual std::string_view option_of(std::string_view) const { return {}; }
 };
 
 // Checks `value` against `decl` (kind, range, choices); "" if it fits, else what is wrong, in the

@@ -168,7 +168,9 @@ void Expander::leaf(Entity& entity, const std::string& path, const Word& type, i
         std::vector<std::string> names;
         for (const NodeDecl* known : table_.catalog->all()) names.push_back(known->type);
         std::string hint = nearest_name(type.text, names);
-        if (!hint.empty())
+        if (const std::string_view option = table_.catalog->option_of(type.text); !option.empty())
+            hint = fmt::format("this build was made without it; configure with -D{}=ON", option);
+        else if (!hint.empty())
             hint = fmt::format("did you mean '{}'?", hint);
         else if (type.text.find('/') != std::string::npos)
             hint = "a graph used as a node ends in '.json'";

@@ -39,6 +39,16 @@ std::vector<const NodeDecl*> Registry::all() const {
     return decls;
 }
 
+std::string_view Registry::option_of(std::string_view name) const {
+    const auto found = options_.find(name);
+    return found == options_.end() ? std::string_view() : found->second;
+}
+
+bool Registry::note_option(const std::string& option, const std::vector<std::string>& types) {
+    for (const std::string& name : types) options_.emplace(name, option);
+    return true;
+}
+
 const TypeInfo* Registry::type_info(std::string_view name) const {
     const auto found = infos_.find(name);
     return found == infos_.end() ? nullptr : found->second;

@@ -16,6 +16,7 @@ class Registry final : public Catalog {
 
     const NodeDecl* find(std::string_view type) const override;
     std::vector<const NodeDecl*> all() const override;
+    std::string_view option_of(std::string_view type) const override;
 
     const NodeType* type(std::string_view type) const;
     const TypeInfo* type_info(std::string_view name) const;  // of a value or stream
@@ -29,10 +30,13 @@ class Registry final : public Catalog {
     bool add(std::unique_ptr<NodeType> type);
     bool add(std::unique_ptr<FusionType> type);
     void note(const TypeInfo& info);
+    // Says that node types come with an option of the build, whether they are there or not.
+    bool note_option(const std::string& option, const std::vector<std::string>& types);
 
   private:
     std::map<std::string, std::unique_ptr<NodeType>, std::less<>> types_;
     std::map<std::string, const TypeInfo*, std::less<>> infos_;
+    std::map<std::string, std::string, std::less<>> options_;  // of a node type
     std::vector<std::unique_ptr<FusionType>> fusions_;
     std::vector<std::string> conflicts_;
 };

@@ -75,6 +75,21 @@ TEST(all_nodes, every_declaration_is_whole) {
     }
 }
 
+// Graphs that speak of them are told what is missing, in a build without.
+TEST(all_nodes, those_of_random_parameter_filtering_name_their_option) {
+    for (const NodeDecl* decl : registry().all())
+        EXPECT_EQ(registry().option_of(decl->type), decl->family == "rpf" ? "WEFT_RPF" : "")
+            << decl->type;
+    EXPECT_EQ(registry().option_of("neighbourhoods"), "WEFT_RPF");
+    if (registry().find("neighbourhoods")) return;
+    const Loaded loaded = load_graph(WEFT_SOURCE_DIR "/graphs/rpf.json", registry());
+    const std::string told = test::all_text(loaded.findings);
+    EXPECT_NE(told.find("no node type 'neighbourhoods'; this build was made without it; "
+                        "configure with -DWEFT_RPF=ON"),
+              std::string::npos)
+        << told;
+}
+
 TEST(all_nodes, shipped_graphs_are_in_order_and_read_back_when_flattened) {
     EXPECT_GT(shipped().size(), 10u);
     for (const std::string& file : shipped()) {

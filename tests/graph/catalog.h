@@ -60,6 +60,9 @@ class TestCatalog : public Catalog {
             if (decl.type == type) return &decl;
         return nullptr;
     }
+    std::string_view option_of(std::string_view type) const override {
+        return type == "dependency-estimate" ? "WEFT_RPF" : "";
+    }
     std::vector<const NodeDecl*> all() const override {
         std::vector<const NodeDecl*> out;
         for (const NodeDecl& decl : decls_) out.push_back(&decl);
