@@ -13,11 +13,17 @@ struct GraphRun {
     std::vector<std::string> warnings;
     Image picture;
 
-    GraphRun(std::string text, int tile = 32, int threads = 1, bool fuse = true) {
+    // `set` are graph parameters, as in weft run --set.
+    GraphRun(std::string text, int tile = 32, int threads = 1, bool fuse = true, std::vector<std::string> set = {}) {
         const std::string out = folder / "out.exr";
-        for (size_t at; (at = text.find("OUT")) != std::string::npos;) text.replace(at, 3, out);
+        const auto put_out = [&](std::string& in) {
+            for (size_t at; (at = in.find("OUT")) != std::string::npos;) in.replace(at, 3, out);
+        };
+        put_out(text);
+        for (std::string& s : set) put_out(s);
         LoadOptions load;
         load.for_run = true;
+        load.overrides.set = std::move(set);
         const Loaded loaded = load_graph_text(text, std::string(WEFT_SOURCE_DIR) + "/graphs/test.json", Registry::instance(), load);
         for (const Diagnostic& finding : loaded.findings)
             if (finding.level == Diagnostic::Level::error) ADD_FAILURE() << to_text(finding);

@@ -6,12 +6,12 @@
 // Source: none; the test is that of a mean against a known one, in squared standard errors.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <numeric>
 
 #include "filters/gaussian_filter_kernel.h"
 #include "image/image.h"
 #include "image/image_cost.h"
+#include "image/smooth_step.h"
 #include "runtime/isa.h"
 #include "runtime/node.h"
 
@@ -82,7 +82,7 @@ struct PreferUnbiased {
                         const float a = off_means.row(c, y)[x], b = off_means.row(3 + c, y)[x];
                         excess += (a * a - b * b) / (of_mean * noise_means.row(c, y)[x] + 1e-8f) / 3;
                     }
-                    const float t = std::clamp((excess - low) / (high - low), 0.0f, 1.0f), s = t * t * (3 - 2 * t);
+                    const float s = smooth_step(low, high, excess);
                     for (int c = 0; c < 3 && s > 0; ++c) result.at(x, y)[c] += (other.at(x, y)[c] - image.at(x, y)[c]) * s;
                 }
         });

@@ -1,10 +1,9 @@
 // blend-images: one picture where a third is low, another where it is high, and a smooth step between.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "image/image.h"
 #include "image/image_cost.h"
+#include "image/smooth_step.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -37,7 +36,7 @@ struct BlendImages {
         ctx.parallel_rows(a.height(), [&](Rows rows) {
             for (int y = rows.begin; y < rows.end; ++y)
                 for (int x = 0; x < a.width(); ++x) {
-                    const float t = std::clamp((*by.at(x, y) - low) / (high - low), 0.0f, 1.0f), s = t * t * (3 - 2 * t);
+                    const float s = smooth_step(low, high, *by.at(x, y));
                     for (int c = 0; c < a.channels(); ++c) {
                         // Taken as they are at the ends, so that what is not finite in the one does not reach the other.
                         const float first = a.at(x, y)[c], second = b.at(x, y)[c];

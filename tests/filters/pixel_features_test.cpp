@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "filters/pictures.h"
-#include "samples/samples.h"
 #include "tests/run_node.h"
+#include "tests/sample_buffer.h"
 
 namespace weft {
 namespace {
@@ -37,18 +37,8 @@ Made features_of(const Samples& samples, std::vector<std::string> channels = {})
 // Samples whose rgb and normal are given, counts[pixel] a pixel.
 Samples make_samples(int width, int height, const std::vector<size_t>& counts,
                      std::vector<float> rgb, std::vector<float> normal = {}) {
-    Samples s;
-    s.width = width, s.height = height;
-    std::vector<std::uint64_t> first{0};
-    std::vector<float> xy;
-    for (size_t p = 0; p < counts.size(); ++p) {
-        for (size_t k = 0; k < counts[p]; ++k)
-            xy.insert(xy.end(), {float(p % size_t(width)) + 0.5f, float(p / size_t(width)) + 0.5f});
-        first.push_back(xy.size() / 2);
-    }
-    s.set_size(xy.size() / 2);
-    s.first = Array<std::uint64_t>(std::move(first));
-    s.add("xy", 2, std::move(xy));
+    Samples s = placed_samples(
+        width, height, [&](size_t p) { return counts[p]; }, middle);
     s.add("rgb", 3, std::move(rgb));
     if (!normal.empty()) s.add("normal", 3, std::move(normal));
     return s;

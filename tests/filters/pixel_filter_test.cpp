@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "filters/pixel_filter_kernel.h"
-#include "samples/random.h"
+#include "tests/sample_buffer.h"
 
 namespace weft {
 namespace {
@@ -17,29 +17,17 @@ float random_number(size_t i, size_t what) {
     return unit_float(mix(i * 97 + what * 1000003));
 }
 
-// Samples whose rgb is value(x, y) in all components; counts[pixel] samples each, or spp in all.
+// Samples whose rgb is value(x, y) times 1, 2 and -1; count_of(pixel) samples each.
 Samples make_samples(int width, int height, const std::function<size_t(size_t)>& count_of,
-                     const std::function<float(float, float)>& value, bool constant_spp = true) {
-    Samples s;
-    s.width = width, s.height = height;
-    std::vector<std::uint64_t> first{0};
-    std::vector<float> xy, rgb;
-    for (size_t p = 0; p < size_t(width) * size_t(height); ++p) {
-        for (size_t k = 0; k < count_of(p); ++k) {
-            const size_t i = xy.size() / 2;
-            xy.push_back(float(p % size_t(width)) + 0.999f * random_number(i, 1));
-            xy.push_back(float(p / size_t(width)) + 0.999f * random_number(i, 2));
-            const float v = value(xy[2 * i], xy[2 * i + 1]);
-            rgb.insert(rgb.end(), {v, 2 * v, -v});
-        }
-        first.push_back(xy.size() / 2);
+                     const std::function<float(float, float)>& value) {
+    Samples s = placed_samples(width, height, count_of, [](size_t i) {
+        return std::array{0.999f * random_number(i, 1), 0.999f * random_number(i, 2)};
+    });
+    std::vector<float> rgb;
+    for (size_t i = 0; i < s.size(); ++i) {
+        const float v = value(s.xy()[2 * i], s.xy()[2 * i + 1]);
+        rgb.insert(rgb.end(), {v, 2 * v, -v});
     }
-    s.set_size(xy.size() / 2);
-    if (constant_spp)
-        s.spp = int(count_of(0));
-    else
-        s.first = Array<std::uint64_t>(std::move(first));
-    s.add("xy", 2, std::move(xy));
     s.add("rgb", 3, std::move(rgb));
     return s;
 }
@@ -67,7 +55,7 @@ std::vector<PixelFilter> all_filters() {
 TEST(PixelFilter, fast_rows_equal_the_scalar_form_bit_for_bit_in_any_bands) {
     Samples s = make_samples(
         23, 17, [](size_t p) { return size_t(p * 7 % 5); },
-        [](float x, float y) { return std::sin(x * 3) + y; }, false);
+        [](float x, float y) { return std::sin(x * 3) + y; });
     std::vector<float> weight;
     for (size_t i = 0; i < s.size(); ++i)
         weight.push_back(i % 11 == 0 ? 0.0f : random_number(i, 3));
@@ -172,7 +160,7 @@ TEST(PixelFilter, one_pixel_picture) {
 
 TEST(PixelFilter, no_samples_at_all_give_zeros_and_a_count) {
     const Samples s = make_samples(
-        4, 3, [](size_t) { return size_t(0); }, [](float, float) { return 1.0f; }, false);
+        4, 3, [](size_t) { return size_t(0); }, [](float, float) { return 1.0f; });
     for (const PixelFilter& filter : all_filters()) {
         size_t missing = 0;
         for (float v : filtered(s, filter, "rgb", &missing)) EXPECT_EQ(v, 0);
@@ -183,7 +171,7 @@ TEST(PixelFilter, no_samples_at_all_give_zeros_and_a_count) {
 TEST(PixelFilter, an_empty_pixel_is_filled_by_wider_filters_only) {
     const Samples s = make_samples(
         5, 5, [](size_t p) { return p == 12 ? size_t(0) : size_t(8); },
-        [](float, float) { return 1.0f; }, false);
+        [](float, float) { return 1.0f; });
     size_t missing = 0;
     EXPECT_EQ(filtered(s, BoxFilter{}, "rgb", &missing)[36], 0);
     EXPECT_EQ(missing, 1u);

@@ -107,6 +107,64 @@ INSTANTIATE_TEST_SUITE_P(All, OfNormals,
                                           testing::Values(size_t(50), size_t(200), size_t(500),
                                                           size_t(2000))));
 
+// Of x normal and y = x^2, both with mean 0 and deviation 1: cells are intervals of |x|.
+double exact_information_of_squares() {
+    const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+    std::vector<double> ends{0, 0.5, 1.5, 12};
+    for (const double y : {-0.5, 0.5, 1.5}) ends.push_back(std::sqrt(1 + y * std::numbers::sqrt2));
+    std::sort(ends.begin(), ends.end());
+    double cell[5][5] = {}, row[5] = {}, column[5] = {};
+    const auto bin = [](double v) { return std::clamp(int(std::floor(v + 2.5)), 0, 4); };
+    for (size_t k = 0; k + 1 < ends.size(); ++k) {
+        const double mass = below(ends[k + 1]) - below(ends[k]), x = (ends[k] + ends[k + 1]) / 2;
+        const int y = bin((x * x - 1) / std::numbers::sqrt2);
+        for (const int i : {bin(x), bin(-x)}) {
+            cell[i][y] += mass;
+            row[i] += mass;
+            column[y] += mass;
+        }
+    }
+    double sum = 0;
+    for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 5; ++j)
+            if (cell[i][j] > 0) sum += cell[i][j] * std::log(cell[i][j] / row[i] / column[j]);
+    return sum;
+}
+
+class OfSquares : public testing::TestWithParam<size_t> {};
+
+TEST_P(OfSquares, is_exact_but_for_the_bias_of_the_cells_that_there_are) {
+    const size_t n = GetParam();
+    constexpr int trials = 400;
+    constexpr Correction corrections[3] = {Correction::none, Correction::miller_madow,
+                                           Correction::asymptotic};
+    double sum[3] = {}, squares[3] = {};
+    std::vector<float> x, y;
+    for (int trial = 0; trial < trials; ++trial) {
+        draw_normal(0, n, 991 + std::uint64_t(trial), x, y);
+        for (size_t i = 0; i < n; ++i) y[i] = (x[i] * x[i] - 1) / std::numbers::sqrt2_v<float>;
+        for (int k = 0; k < 3; ++k) {
+            const double found = information(x, y, n, corrections[k]);
+            sum[k] += found / trials;
+            squares[k] += found * found / trials;
+        }
+    }
+    // 11 cells of 5 x 4 bins can be met: (11 - 5 - 4 + 1) / 2n; all but one of each are 12 / 2n.
+    const double exact = exact_information_of_squares(), bias = 3 / (2 * double(n));
+    for (int k = 0; k < 3; ++k) {
+        const double deviation = std::sqrt(std::max(0.0, squares[k] - sum[k] * sum[k])),
+                     margin =
+                         4 * deviation / std::sqrt(double(trials)) + (n < 100 ? 1 : 0.5) * bias;
+        const double expected = k == 0 ? bias : k == 1 ? 0 : bias - 12 / (2 * double(n));
+        EXPECT_NEAR(sum[k] - exact, expected, margin) << k;
+        // Scatter falls as the root of the number.
+        EXPECT_NEAR(deviation * std::sqrt(double(n)), 0.85, 0.25) << k;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, OfSquares,
+                         testing::Values(size_t(50), size_t(200), size_t(500), size_t(2000)));
+
 TEST(MutualInformation, of_many_normals_is_the_published_value) {
     EXPECT_NEAR(exact_information(0.5), 0.1167, 2e-4);
     EXPECT_NEAR(exact_information(0.9), 0.5710, 5e-4);

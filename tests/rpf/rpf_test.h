@@ -4,9 +4,9 @@
 #include <functional>
 
 #include "rpf/kernels.h"
-#include "samples/random.h"
 #include "tests/instruction_sets.h"
 #include "tests/run_node.h"
+#include "tests/sample_buffer.h"
 
 namespace weft {
 
@@ -20,25 +20,24 @@ struct Drawn {
 };
 using Color = std::function<float(const Drawn&)>;
 
+using Count = std::function<size_t(size_t)>;
+
 // Features: albedo as given, a tilted plane's position, one normal that wobbles a little.
-inline Samples feature_samples(int width, int height, int spp, const Color& color,
+// count_of(pixel) samples a pixel.
+inline Samples feature_samples(int width, int height, const Count& count_of, const Color& color,
                                const Color& albedo, std::uint64_t seed = 1) {
-    Samples s;
-    s.width = width;
-    s.height = height;
-    s.spp = spp;
-    const size_t n = size_t(width) * size_t(height) * size_t(spp);
-    s.set_size(n);
-    std::vector<float> xy, uv, t, z(n, 4.0f), light, position, normal, shade, rgb;
+    Samples s = placed_samples(width, height, count_of, [&](size_t i) {
+        return std::array{chance(seed, 8 * i), chance(seed, 8 * i + 1)};
+    });
+    const size_t n = s.size();
+    std::vector<float> uv, t, z(n, 4.0f), light, position, normal, shade, rgb;
     for (size_t i = 0; i < n; ++i) {
-        const size_t pixel = i / size_t(spp);
-        const Drawn d{float(pixel % size_t(width)) + chance(seed, 8 * i),
-                      float(pixel / size_t(width)) + chance(seed, 8 * i + 1),
+        const Drawn d{s.xy()[2 * i],
+                      s.xy()[2 * i + 1],
                       2 * chance(seed, 8 * i + 2) - 1,
                       2 * chance(seed, 8 * i + 3) - 1,
                       chance(seed, 8 * i + 4),
                       chance(seed, 8 * i + 5)};
-        xy.insert(xy.end(), {d.x, d.y});
         uv.insert(uv.end(), {0.7f * d.u, 0.7f * d.v});
         t.push_back(d.t);
         light.insert(light.end(), {d.l, chance(seed, 8 * i + 6)});
@@ -48,7 +47,6 @@ inline Samples feature_samples(int width, int height, int spp, const Color& colo
         shade.insert(shade.end(), {a, a, 0.5f * a});
         rgb.insert(rgb.end(), {c, 0.5f * c, 0.25f * c});
     }
-    s.add("xy", 2, xy);
     s.add("uv", 2, uv);
     s.add("t", 1, t);
     s.add("z", 1, z);
@@ -58,6 +56,11 @@ inline Samples feature_samples(int width, int height, int spp, const Color& colo
     s.add("albedo", 3, shade);
     s.add("rgb", 3, rgb);
     return s;
+}
+inline Samples feature_samples(int width, int height, int spp, const Color& color,
+                               const Color& albedo, std::uint64_t seed = 1) {
+    return feature_samples(
+        width, height, [&](size_t) { return size_t(spp); }, color, albedo, seed);
 }
 
 inline SampleVectors vectors_of(const Samples& samples) {
