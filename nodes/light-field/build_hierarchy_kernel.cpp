@@ -173,38 +173,6 @@ void allocate(Hierarchy& h, bool colored) {
     if (colored) h.rgba.resize(4 * n);
 }
 
-// Samples taken at once.
-constexpr size_t chunk = 256;
-
-// The channels of samples in the order of the hierarchy.
-struct Fetched {
-    std::array<float, 2 * chunk> xy, uv;
-    std::array<float, chunk> z, t;
-    std::array<float, 3 * chunk> motion;
-
-    void fetch(const Places& from, const LargeArray<std::uint32_t>& order, size_t begin,
-               size_t end) {
-        for (size_t i = begin, k = 0; i < end; ++i, ++k) {
-            const size_t j = order[i];
-            z[k] = from.z[j];
-            copy<2>(from.xy, j, &xy[2 * k]);
-            if (from.uv) copy<2>(from.uv, j, &uv[2 * k]);
-            if (!from.motion) continue;
-            t[k] = from.t[j];
-            copy<3>(from.motion, j, &motion[3 * k]);
-        }
-    }
-    template <size_t n>
-    static void copy(const float* from, size_t record, float* to) {
-        for (size_t c = 0; c < n; ++c) to[c] = from[n * record + c];
-    }
-    // As places, of the channels that `of` has.
-    Places places(const Places& of) const {
-        return {xy.data(), z.data(), of.uv ? uv.data() : nullptr, of.motion ? t.data() : nullptr,
-                of.motion ? motion.data() : nullptr};
-    }
-};
-
 Paths paths_of(Hierarchy& h, size_t begin) {
     Paths to{&h.X[begin], &h.Y[begin], &h.W[begin], nullptr, nullptr, nullptr};
     if (h.moving) to.VX = &h.VX[begin], to.VY = &h.VY[begin], to.VW = &h.VW[begin];
@@ -234,8 +202,8 @@ void build_levels(Hierarchy& h) {
     }
 }
 
-// Of what a light sees: the camera's samples a pixel. So dense they are where a pixel of the light's
-// film is as large as one of the camera's; where not, locations say (Locations::ratio).
+// Of what a light sees: the camera's samples a pixel. So dense they are where a pixel of the
+// light's film is as large as one of the camera's; where not, locations say (Locations::ratio).
 double camera_spp(const Samples& samples) {
     const Json* light = samples.meta.find("light");
     const Json* spp = light ? light->find("camera_spp") : nullptr;
@@ -272,6 +240,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     const KeyGrid grid = key_grid(h, arrangement);
     LargeArray<std::uint64_t> keys(n);
     ctx.parallel(n, 65536, [&](size_t begin, size_t end) {
+        constexpr size_t chunk = Fetched::most;
         std::array<std::array<float, chunk>, 6> path;
         const Paths to{path[0].data(), path[1].data(),
                        path[2].data(), h.moving ? path[3].data() : nullptr,
@@ -287,13 +256,13 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     const auto rgb = samples.rgb(), alpha = samples.values("alpha");
     h.opaque = std::all_of(alpha.begin(), alpha.end(), [](float a) { return a == 1; });
     // Each sample is fetched once, and its group bounded while it is at hand.
-    constexpr size_t groups = chunk / Hierarchy::group_size;
+    constexpr size_t chunk = Fetched::most, groups = chunk / Hierarchy::group_size;
     ctx.parallel(h.groups.size(), groups * 16, [&](size_t first, size_t last) {
         Fetched fetched;
         for (size_t g = first; g < last; g += groups) {
             const size_t begin = g * Hierarchy::group_size,
                          end = std::min({begin + chunk, last * Hierarchy::group_size, n});
-            fetched.fetch(places, h.order, begin, end);
+            fetched.fetch(places, std::span(h.order).subspan(begin, end - begin));
             WEFT_PICK(recentre)(fetched.places(places), h.lens, end - begin, paths_of(h, begin));
             for (size_t i = begin; i < end && colored; ++i) {
                 const size_t from = h.order[i];

@@ -37,6 +37,35 @@ Places places_of(const Samples& samples);
 // As above, for many samples: the channels are looked up once.
 Recentred recentred(const Places& places, const Lens& lens, size_t i);
 
+// The places of a few samples, fetched from where they lie to be side by side.
+struct Fetched {
+    static constexpr size_t most = 256;
+    std::array<float, 2 * most> xy, uv;
+    std::array<float, most> z, t;
+    std::array<float, 3 * most> motion;
+
+    void fetch(const Places& from, std::span<const std::uint32_t> samples) {
+        for (size_t k = 0; k < samples.size(); ++k) {
+            const size_t j = samples[k];
+            z[k] = from.z[j];
+            copy<2>(from.xy, j, &xy[2 * k]);
+            if (from.uv) copy<2>(from.uv, j, &uv[2 * k]);
+            if (!from.motion) continue;
+            t[k] = from.t[j];
+            copy<3>(from.motion, j, &motion[3 * k]);
+        }
+    }
+    template <size_t n>
+    static void copy(const float* from, size_t record, float* to) {
+        for (size_t c = 0; c < n; ++c) to[c] = from[n * record + c];
+    }
+    // As places, of the channels that `of` has.
+    Places places(const Places& of) const {
+        return {xy.data(), z.data(), of.uv ? uv.data() : nullptr, of.motion ? t.data() : nullptr,
+                of.motion ? motion.data() : nullptr};
+    }
+};
+
 // Where samples go at lens centre; VX null where nothing moves.
 struct Paths {
     float *X = nullptr, *Y = nullptr, *W = nullptr, *VX = nullptr, *VY = nullptr, *VW = nullptr;

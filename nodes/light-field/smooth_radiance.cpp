@@ -1,13 +1,14 @@
-// smooth-radiance: less noise in a sample buffer's radiance where it is noisy, and more contrast in fine
-// detail where it is not, to make up for the filter to come (smooth_radiance_kernel.h says how). Only rgb changes.
+// smooth-radiance: less noise in a sample buffer's radiance where it is noisy, and more contrast in
+// fine detail where it is not, to make up for the filter to come (smooth_radiance_kernel.h says
+// how). Only rgb changes.
 #include "light-field/smooth_radiance_kernel.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 
 #include "light-field/build_hierarchy_kernel.h"
-#include "light-field/sample_order.h"
 #include "runtime/node.h"
 
 namespace weft {
@@ -15,9 +16,10 @@ namespace light_field {
 
 namespace {
 
+constexpr size_t spare = 16;  // vectors may be read past the end
+
 // Cuts memory for arrays of n values into them, with some to spare.
 void lay_out(LargeArray<float>& memory, size_t n, std::initializer_list<std::span<float>*> arrays) {
-    constexpr size_t spare = 16;  // vectors may be read past the end
     memory.resize((n + spare) * arrays.size());
     std::span<float> rest(memory);
     for (std::span<float>* array : arrays) {
@@ -47,16 +49,24 @@ std::vector<SampleField::Block> blocks_of(const SampleField& s, float widest) {
 
 }  // namespace
 
+void Stretch::keep(size_t from, size_t end) {
+    for (auto array = memory.begin(); array != memory.end(); array += std::ptrdiff_t(room + spare))
+        std::copy(array + std::ptrdiff_t(from - first), array + std::ptrdiff_t(end - first), array);
+    first = from;
+}
+
 Filtered::Filtered(size_t n) {
+    room = n;
     lay_out(memory, n, {&r, &g, &b, &weight});
 }
 
 Changes::Changes(size_t n) {
     static_assert(Smoothing::widths == 4);
+    room = n;
     auto& [a, b, c, sharp] = of;
     lay_out(memory, n,
-            {&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b,
-             &c.gain, &c.way, &c.r, &c.g, &c.b, &sharp.gain, &sharp.way});
+            {&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b, &c.gain, &c.way,
+             &c.r, &c.g, &c.b, &sharp.gain, &sharp.way});
 }
 
 SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
@@ -64,7 +74,8 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     const Lens lens = samples.has_lens() ? *samples.lens : Lens{};
     SampleField s;
     s.size = n;
-    // Positions may lie outside the picture by what lens and motion move them; beyond a quarter they share cells.
+    // Positions may lie outside the picture by what lens and motion move them; beyond a quarter
+    // they share cells.
     const float border = 0.25f * float(std::max(samples.width, samples.height));
     // There are some 4.8 samples in a square of the radius.
     s.cell_width = 0.3f * radius;
@@ -73,56 +84,60 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     s.columns = int((float(samples.width) + 2 * border) / s.cell_width) + 1;
     s.rows = int((float(samples.height) + 2 * border) / s.cell_height) + 1;
     s.moving = samples.has_motion();
-    LargeArray<float> x(n), y(n);
-    LargeArray<std::uint64_t> keys(n);
     const Places places = places_of(samples);
-    const auto xy = samples.xy();
-    const auto place = [&](size_t i) {
-        Recentred p = recentred(places, lens, i);
-        if (!(p.W > 0)) {  // behind the camera at half time: where it was seen
-            p = {xy[2 * i], xy[2 * i + 1], 1, 0, 0, 0};
+    // Of count samples, which `from` has; work(k, x, y, W) for each. One behind the camera at half
+    // time is where it was seen, at depth 1.
+    const auto each_place = [&](const Places& from, size_t count, auto&& work) {
+        std::array<std::array<float, Fetched::most>, 6> path{};
+        WEFT_PICK(recentre)
+        (from, lens, count,
+         {path[0].data(), path[1].data(), path[2].data(), path[3].data(), path[4].data(),
+          path[5].data()});
+        for (size_t k = 0; k < count; ++k) {
+            Recentred p{path[0][k], path[1][k], path[2][k], path[3][k], path[4][k], path[5][k]};
+            if (!(p.W > 0)) p = {from.xy[2 * k], from.xy[2 * k + 1], 1, 0, 0, 0};
+            work(k, p, p.X / p.W, p.Y / p.W);
         }
-        return p;
     };
+    LargeArray<std::uint32_t> cell(n);
     ctx.parallel(n, 4096, [&](size_t begin, size_t end) {
-        constexpr size_t chunk = 256;
-        std::array<std::array<float, chunk>, 6> path{};
-        const Paths to{path[0].data(), path[1].data(), path[2].data(),
-                       path[3].data(), path[4].data(), path[5].data()};
-        for (size_t first = begin; first < end; first += chunk) {
-            const size_t count = std::min(chunk, end - first);
-            WEFT_PICK(recentre)(places.from(first), lens, count, to);
-            for (size_t k = 0; k < count; ++k) {
-                const size_t i = first + k;
-                const float W = to.W[k];
-                x[i] = W > 0 ? to.X[k] / W : xy[2 * i];
-                y[i] = W > 0 ? to.Y[k] / W : xy[2 * i + 1];
-                keys[i] = std::uint64_t(s.row_of(y[i])) * std::uint64_t(s.columns) +
-                          std::uint64_t(s.column_of(x[i]));
-            }
-        }
+        for (size_t first = begin; first < end; first += Fetched::most)
+            each_place(places.from(first), std::min(Fetched::most, end - first),
+                       [&](size_t k, const Recentred&, float x, float y) {
+                           cell[first + k] =
+                               std::uint32_t(s.row_of(y) * s.columns + s.column_of(x));
+                       });
     });
-    s.start.assign(size_t(s.columns) * size_t(s.rows) + 1, 0);
-    for (std::uint64_t key : keys) ++s.start[key + 1];
-    for (size_t i = 1; i < s.start.size(); ++i) s.start[i] += s.start[i - 1];
-    s.order = sorted(std::move(keys), ctx);
+    // Counted one cell too far, so that each start is back at its own once its samples are put.
+    s.start.assign(size_t(s.columns) * size_t(s.rows) + 2, 0);
+    for (std::uint32_t c : cell) ++s.start[c + 2];
+    for (size_t c = 2; c < s.start.size(); ++c) s.start[c] += s.start[c - 1];
+    s.order.resize(n);
+    for (size_t i = 0; i < n; ++i) s.order[s.start[cell[i] + 1]++] = std::uint32_t(i);
     lay_out(s.memory, n,
             {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b});
     const auto normal = samples.values("normal"), albedo = samples.values("albedo");
     if (!normal.empty()) lay_out(s.normals, n, {&s.normal[0], &s.normal[1], &s.normal[2]});
     if (!albedo.empty()) lay_out(s.albedos, n, {&s.albedo[0], &s.albedo[1], &s.albedo[2]});
     const auto rgb = samples.rgb();
-    ctx.parallel_for(
-        n,
-        [&](size_t to) {
+    ctx.parallel(n, 4096, [&](size_t begin, size_t end) {
+        Fetched fetched;
+        for (size_t first = begin; first < end; first += Fetched::most) {
+            const size_t count = std::min(Fetched::most, end - first);
+            fetched.fetch(places, std::span(s.order).subspan(first, count));
+            each_place(fetched.places(places), count,
+                       [&](size_t k, const Recentred& p, float x, float y) {
+                           const size_t to = first + k;
+                           s.x[to] = x;
+                           s.y[to] = y;
+                           s.slope[to] = lens.c0 / p.W + lens.c1;
+                           s.velocity_x[to] = (p.VX - x * p.VW) / p.W;
+                           s.velocity_y[to] = (p.VY - y * p.VW) / p.W;
+                           s.log_depth[to] = std::log(p.W);
+                       });
+        }
+        for (size_t to = begin; to < end; ++to) {
             const size_t i = s.order[to];
-            const Recentred p = place(i);
-            s.x[to] = x[i];
-            s.y[to] = y[i];
-            s.slope[to] = lens.c0 / p.W + lens.c1;
-            s.velocity_x[to] = (p.VX - x[i] * p.VW) / p.W;
-            s.velocity_y[to] = (p.VY - y[i] * p.VW) / p.W;
-            s.log_depth[to] = std::log(p.W);
             s.r[to] = rgb[3 * i];
             s.g[to] = rgb[3 * i + 1];
             s.b[to] = rgb[3 * i + 2];
@@ -135,39 +150,88 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
             if (!albedo.empty())
                 for (size_t c = 0; c < 3; ++c)
                     s.albedo[c][to] = std::isfinite(albedo[3 * i + c]) ? albedo[3 * i + c] : 0;
-        },
-        4096);
+        }
+    });
     s.blocks = blocks_of(s, 4 * radius);
     return s;
 }
 
+namespace {
+
+// The field goes through the kernels in bands of whole rows. What is around a sample lies in
+// `reach` rows above and below its own: as many rows ahead of its treatment, and twice as many,
+// have been through the kernels before, and as many behind it are kept.
+struct Bands {
+    const SampleField& s;
+    int reach;
+
+    size_t start(int row) const {
+        return s.start[size_t(std::clamp(row, 0, s.rows)) * size_t(s.columns)];
+    }
+    // Where the band that begins with a row ends: it has samples enough for many threads, and for
+    // what is kept to be little beside it.
+    int end(int row) const {
+        constexpr size_t enough = 65536;
+        int last = row + 4 * reach;
+        while (last < s.rows && start(last) - start(row) < enough) ++last;
+        return std::min(last, s.rows);
+    }
+    // The most samples of a band and `behind` and `ahead` rows about it.
+    size_t most(int behind, int ahead) const {
+        size_t most = 0;
+        for (int row = 0; row < s.rows; row = end(row))
+            most = std::max(most, start(end(row) + ahead) - start(row - behind));
+        return most;
+    }
+    size_t block(int row) const {
+        const auto begins = [](const SampleField::Block& block, size_t sample) {
+            return block.begin < sample;
+        };
+        return size_t(std::lower_bound(s.blocks.begin(), s.blocks.end(), start(row), begins) -
+                      s.blocks.begin());
+    }
+};
+
+}  // namespace
+
 Array<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by,
                              Context& ctx) {
-    const size_t n = samples.size();
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
     by.window = by.width.back();
     const SampleField s = sample_field(samples, radius, ctx);
-    const size_t blocks = s.blocks.size();
     std::atomic<size_t> done = 0;
-    const auto each = [&](auto&& work) {
-        ctx.parallel(blocks, 64, [&](size_t first, size_t last) {
-            work(first, last);
-            ctx.progress(double(done += last - first), 3 * double(blocks), "blocks of samples");
-        });
+    const Bands bands{s, int(by.window / s.cell_height) + 2};
+    const auto each = [&](int first_row, int last_row, auto&& work) {
+        ctx.parallel(bands.block(last_row) - bands.block(first_row), 64,
+                     [&](size_t first, size_t last) {
+                         work(first + bands.block(first_row), last + bands.block(first_row));
+                         ctx.progress(double(done += last - first), 3 * double(s.blocks.size()),
+                                      "blocks of samples");
+                     });
     };
-    Filtered filtered(n);
-    Changes changes(n);
-    const auto rgb = std::make_shared<LargeArray<float>>(3 * n);
-    each([&](size_t first, size_t last) {
-        WEFT_PICK(filter_samples)(s, by, first, last, filtered);
-    });
-    each([&](size_t first, size_t last) {
-        WEFT_PICK(find_errors)(s, filtered, by, first, last, changes);
-    });
-    each([&](size_t first, size_t last) {
-        WEFT_PICK(treat)(s, filtered, changes, by, first, last, *rgb);
-    });
+    Filtered filtered(bands.most(0, 2 * bands.reach));
+    Changes changes(bands.most(bands.reach, bands.reach));
+    const auto rgb = std::make_shared<LargeArray<float>>(3 * s.size);
+    int filtered_to = 0, judged_to = 0;  // rows
+    for (int row = 0; row < s.rows;) {
+        const int end = bands.end(row), judged = std::min(end + bands.reach, s.rows),
+                  ahead = std::min(judged + bands.reach, s.rows);
+        filtered.keep(bands.start(row), bands.start(filtered_to));
+        changes.keep(bands.start(row - bands.reach), bands.start(judged_to));
+        each(filtered_to, ahead, [&](size_t first, size_t last) {
+            WEFT_PICK(filter_samples)(s, by, first, last, filtered);
+        });
+        each(judged_to, judged, [&](size_t first, size_t last) {
+            WEFT_PICK(find_errors)(s, filtered, by, first, last, changes);
+        });
+        each(row, end, [&](size_t first, size_t last) {
+            WEFT_PICK(treat)(s, filtered, changes, by, first, last, *rgb);
+        });
+        filtered_to = ahead;
+        judged_to = judged;
+        row = end;
+    }
     return {*rgb, rgb};
 }
 
@@ -176,7 +240,7 @@ Array<float> smooth_radiance(const Samples& samples, float radius, float widest,
 namespace {
 
 struct SmoothRadiance {
-    float widest = 4.5f, caution = 0.5f, sharp_caution = 2, radius_scale = 1;
+    float widest = 4.25f, caution = 0.5f, sharp_caution = 2, radius_scale = 1;
     float slope_tolerance = 0.6f, velocity_tolerance = 1.5f, depth_tolerance = 0.03f;
     float normal_tolerance = 0.55f, albedo_tolerance = 0.1f;
 
@@ -199,8 +263,8 @@ struct SmoothRadiance {
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
-        const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 164 * n, 800 * n};
+        const double n = double(s.records), band = std::min(n, 131072 + n / 8);
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 64 * n + 84 * band, 800 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -235,7 +299,7 @@ struct SmoothRadiance {
     }
 };
 
-WEFT_NODE(SmoothRadiance, "smooth-radiance", 5)
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 6)
 
 }  // namespace
 }  // namespace weft

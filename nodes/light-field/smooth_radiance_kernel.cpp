@@ -35,6 +35,11 @@ HWY_INLINE void put(VF value, size_t n, float* to) {
 struct Color {
     VF r, g, b;
 };
+// Of a vector of samples from `at` on.
+template <class Of>
+HWY_INLINE Color color_at(const Of& of, size_t at) {
+    return {hn::LoadU(f, &of.r[at]), hn::LoadU(f, &of.g[at]), hn::LoadU(f, &of.b[at])};
+}
 HWY_INLINE Color operator-(const Color& a, const Color& b) {
     return {hn::Sub(a.r, b.r), hn::Sub(a.g, b.g), hn::Sub(a.b, b.b)};
 }
@@ -92,13 +97,14 @@ struct Range {
     }
 };
 
-// 1 - distance / width, 0 past the width.
-HWY_INLINE VF tent(VF distance, VF per_width) {
-    return hn::Max(hn::Zero(f), hn::NegMulAdd(distance, per_width, hn::Set(f, 1.0f)));
-}
-HWY_INLINE VF squared_tent(VF distance, VF per_width) {
-    const VF part = tent(distance, per_width);
+// (1 - distance / width)^2, 0 past the width.
+HWY_INLINE VF squared_tent(VF d2, VF per_width) {
+    const VF part = hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Sqrt(d2), per_width, hn::Set(f, 1.0f)));
     return hn::Mul(part, part);
+}
+// 1 - (distance / width)^2, 0 past the width; of a squared width.
+HWY_INLINE VF paraboloid(VF d2, VF per_square) {
+    return hn::Max(hn::Zero(f), hn::NegMulAdd(d2, per_square, hn::Set(f, 1.0f)));
 }
 // 2 y - mean
 HWY_INLINE VF sharpened(VF y, VF mean) {
@@ -129,37 +135,40 @@ void filter_samples(const SampleField& s, const Smoothing& by, size_t first, siz
     const VF per_width = hn::Set(f, 1.0f / by.width[0]);
     Surroundings<1> around(s, by, std::span(by.width).first(1));
     each_vector(s, first, last, around, [&](size_t at, size_t n) HWY_ATTR {
-        const Sums sums =
-            around.each(0, Places(s, at), Sums(),
-                        [&](Sums& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
-                            of.add(on_surface(squared_tent(distance, per_width)),
-                                   hn::Set(f, s.r[i]), hn::Set(f, s.g[i]), hn::Set(f, s.b[i]));
-                        });
+        const Sums sums = around.each(
+            0, Places(s, at), Sums(), [&](Sums& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
+                of.add(on_surface(squared_tent(d2, per_width)), hn::Set(f, s.r[i]),
+                       hn::Set(f, s.g[i]), hn::Set(f, s.b[i]));
+            });
         const Color mean = sums.over(sums.w);  // 1 at least, the sample's own
-        put(sums.w, n, &out.weight[at]);
-        put(mean.r, n, &out.r[at]);
-        put(mean.g, n, &out.g[at]);
-        put(mean.b, n, &out.b[at]);
+        const size_t to = at - out.first;
+        put(sums.w, n, &out.weight[to]);
+        put(mean.r, n, &out.r[to]);
+        put(mean.g, n, &out.g[to]);
+        put(mean.b, n, &out.b[to]);
     });
 }
 
 void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing& by, size_t first,
                  size_t last, Changes& out) {
-    VF per_width[widths];
-    for (size_t k = 0; k < widths; ++k) per_width[k] = hn::Set(f, 1.0f / by.width[k]);
+    const VF per_width = hn::Set(f, 1.0f / by.width[0]);
+    VF per_square[widths];
+    for (size_t k = 0; k < widths; ++k)
+        per_square[k] = hn::Set(f, 1.0f / (by.width[k] * by.width[k]));
     const VF one = hn::Set(f, 1.0f), floor = hn::Set(f, by.epsilon * by.epsilon);
     Surroundings<widths> around(s, by, by.width);
     each_vector(s, first, last, around, [&](size_t at, size_t n) HWY_ATTR {
         const Places places(s, at);
-        const auto look_near = [&](Sharp& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
-            const VF weight = on_surface(squared_tent(distance, per_width[0]));
+        const auto look_near = [&](Sharp& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
+            const VF weight = on_surface(squared_tent(d2, per_width));
+            const size_t of_mean = i - filtered.first;
             const auto doubled =
-                [i](std::span<const float> y, std::span<const float> mean)
-                    HWY_ATTR { return sharpened(hn::Set(f, y[i]), hn::Set(f, mean[i])); };
+                [i, of_mean](std::span<const float> y, std::span<const float> mean)
+                    HWY_ATTR { return sharpened(hn::Set(f, y[i]), hn::Set(f, mean[of_mean])); };
             of.sums.add(weight, doubled(s.r, filtered.r), doubled(s.g, filtered.g),
                         doubled(s.b, filtered.b));
-            of.overlap = hn::Add(of.overlap,
-                                 hn::Div(hn::Mul(weight, weight), hn::Set(f, filtered.weight[i])));
+            of.overlap = hn::Add(
+                of.overlap, hn::Div(hn::Mul(weight, weight), hn::Set(f, filtered.weight[of_mean])));
         };
         const Sharp sharp = around.each(0, places, Sharp(), look_near);
         Sums wide[widths];
@@ -169,11 +178,10 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
             Reached sums;
             std::copy_n(wide + least, sums.size(), sums.begin());
             sums = around.each_alike(
-                ring, places, sums,
-                [&](Reached& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
+                ring, places, sums, [&](Reached& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
                     const VF r = hn::Set(f, s.r[i]), g = hn::Set(f, s.g[i]), b = hn::Set(f, s.b[i]);
                     for (size_t k = 0; k < of.size(); ++k)
-                        of[k].add(on_surface(tent(distance, per_width[least + k])), r, g, b);
+                        of[k].add(on_surface(paraboloid(d2, per_square[least + k])), r, g, b);
                 });
             std::copy_n(sums.begin(), sums.size(), wide + least);
         };
@@ -185,16 +193,14 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
 
         Color mean[widths];
         for (size_t k = 1; k < widths; ++k) mean[k] = wide[k].over(wide[k].w);
-        const auto loaded = [at](std::span<const float> from)
-                                HWY_ATTR { return hn::LoadU(f, &from[at]); };
-        const Left left{{loaded(s.r), loaded(s.g), loaded(s.b)}, mean[widths - 1]};
+        const Left left{color_at(s, at), mean[widths - 1]};
         const auto per_level = [&](VF level) HWY_ATTR {
             return hn::Div(one, hn::MulAdd(level, level, floor));
         };
         const Color weights{per_level(left.mean.r), per_level(left.mean.g), per_level(left.mean.b)};
-        const VF narrow = loaded(filtered.weight);
-        const Color as_is = left.by({loaded(filtered.r), loaded(filtered.g), loaded(filtered.b)},
-                                    hn::Div(one, narrow));
+        const size_t to = at - out.first, as_filtered = at - filtered.first;
+        const VF narrow = hn::LoadU(f, &filtered.weight[as_filtered]);
+        const Color as_is = left.by(color_at(filtered, as_filtered), hn::Div(one, narrow));
         const VF error = squares(as_is, weights);
         const auto put_change = [&](size_t k, const Color& guess, VF share) HWY_ATTR {
             // (One that stands alone says nothing of a treatment.)
@@ -204,14 +210,14 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
             // the lesser treatment is the better.
             const VF gain =
                 hn::NegMulAdd(hn::Set(f, 1 - 1e-5f * float(k)), error, squares(here, weights));
-            put(gain, n, &out.of[k - 1].gain[at]);
-            put(squares(here - as_is, weights), n, &out.of[k - 1].way[at]);
+            put(gain, n, &out.of[k - 1].gain[to]);
+            put(squares(here - as_is, weights), n, &out.of[k - 1].way[to]);
         };
         for (size_t k = 1; k < widths; ++k) {
             put_change(k, mean[k], hn::Div(one, wide[k].w));
-            put(mean[k].r, n, &out.of[k - 1].r[at]);
-            put(mean[k].g, n, &out.of[k - 1].g[at]);
-            put(mean[k].b, n, &out.of[k - 1].b[at]);
+            put(mean[k].r, n, &out.of[k - 1].r[to]);
+            put(mean[k].g, n, &out.of[k - 1].g[to]);
+            put(mean[k].b, n, &out.of[k - 1].b[to]);
         }
         // Of H + H (1 - H), with H_ij = w_ij / W_i.
         put_change(widths, sharp.sums.over(narrow),
@@ -221,18 +227,20 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
 
 void treat(const SampleField& s, const Filtered& filtered, const Changes& changes,
            const Smoothing& by, size_t first, size_t last, std::span<float> rgb) {
-    const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f), width = hn::Set(f, by.width[0]),
-             per_window = hn::Set(f, 1.0f / by.window);
+    const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f),
+             square = hn::Set(f, by.width[0] * by.width[0]),
+             per_window = hn::Set(f, 1.0f / (by.window * by.window));
     Surroundings<2> around(s, by, std::array{by.width[0], by.window});
     each_vector(s, first, last, around, [&](size_t at, size_t n) HWY_ATTR {
         const Places places(s, at);
-        const auto weigh = [&](Gains& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
-            const VF weight = on_surface(tent(distance, per_window));
+        const auto weigh = [&](Gains& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
+            const VF weight = on_surface(paraboloid(d2, per_window));
+            const size_t change = i - changes.first;
             for (size_t k = 0; k < treatments - 1; ++k) {
-                const VF gain = hn::Mul(weight, hn::Set(f, changes.of[k].gain[i]));
+                const VF gain = hn::Mul(weight, hn::Set(f, changes.of[k].gain[change]));
                 of.gain[k] = hn::Add(of.gain[k], gain);
                 of.spread[k] = hn::MulAdd(gain, gain, of.spread[k]);
-                of.way[k] = hn::MulAdd(weight, hn::Set(f, changes.of[k].way[i]), of.way[k]);
+                of.way[k] = hn::MulAdd(weight, hn::Set(f, changes.of[k].way[change]), of.way[k]);
             }
         };
         const Gains gains =
@@ -257,29 +265,27 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
         const auto is = [&](size_t k) HWY_ATTR {
             return hn::RebindMask(f, hn::Eq(kind, hn::Set(un, std::uint32_t(k))));
         };
-        const auto loaded = [at](std::span<const float> from)
-                                HWY_ATTR { return hn::LoadU(f, &from[at]); };
-        const Color own{loaded(s.r), loaded(s.g), loaded(s.b)};
+        const Color own = color_at(s, at);
         Color treated = own;
         for (size_t k = 1; k < widths; ++k)
-            treated = chosen(
-                is(k), {loaded(changes[k].r), loaded(changes[k].g), loaded(changes[k].b)}, treated);
+            treated = chosen(is(k), color_at(changes[k], at - changes.first), treated);
         if (!hn::AllFalse(f, is(widths))) {
             // Within what its neighbours are, or else one bright sample leaves dark ones around it
             // and grows itself.
-            const auto look = [&](std::array<Range, 3>& of, size_t i, VF distance,
+            const auto look = [&](std::array<Range, 3>& of, size_t i, VF d2,
                                   auto on_surface) HWY_ATTR {
-                const auto near = hn::Gt(on_surface(hn::Sub(width, distance)), zero);
+                const auto near = hn::Gt(on_surface(hn::Sub(square, d2)), zero);
                 of[0].add(near, hn::Set(f, s.r[i]));
                 of[1].add(near, hn::Set(f, s.g[i]));
                 of[2].add(near, hn::Set(f, s.b[i]));
             };
             const auto [red, green, blue] = around.each(0, places, std::array<Range, 3>(), look);
-            treated = chosen(is(widths),
-                             {red.limit(sharpened(own.r, loaded(filtered.r))),
-                              green.limit(sharpened(own.g, loaded(filtered.g))),
-                              blue.limit(sharpened(own.b, loaded(filtered.b)))},
-                             treated);
+            const Color mean = color_at(filtered, at - filtered.first);
+            treated =
+                chosen(is(widths),
+                       {red.limit(sharpened(own.r, mean.r)), green.limit(sharpened(own.g, mean.g)),
+                        blue.limit(sharpened(own.b, mean.b))},
+                       treated);
         }
         const Color way = treated - own;
         alignas(64) float r[lanes], g[lanes], b[lanes];

@@ -1,24 +1,27 @@
 // Smoothing of noisy radiance along surfaces, and sharpening of clean detail, as far as the samples
-// themselves say that it does good. For each sample and each treatment its radiance is predicted from its
-// neighbours on its surface, itself left out; the sample goes as far towards one treatment as is best around it.
-//   as it is     what a filter of the narrowest width, a squared tent, will make of the samples later
-//   sharpened    the same of 2 y - (the samples so filtered): its blur is made up for in advance,
-//                within what the neighbours are and a quarter of the least of them, so that an outlier leaves
-//                no black samples around it and energy is kept
-//   smoothed     means under tents of greater widths
+// themselves say that it does good. For each sample and each treatment its radiance is predicted
+// from its neighbours on its surface, itself left out; the sample goes as far towards one treatment
+// as is best around it.
+//   as it is     what a filter of the narrowest width, a squared tent, will make of the samples
+//   later sharpened    the same of 2 y - (the samples so filtered): its blur is made up for in
+//   advance,
+//                within what the neighbours are and a quarter of the least of them, so that an
+//                outlier leaves no black samples around it and energy is kept
+//   smoothed     means under paraboloids (Epanechnikov's kernel) of greater widths
 //   neighbours   by position at lens centre and half time; of one surface where slope, velocity and
 //                depth are alike
-//                Under the greater widths albedo has to be alike, too, and the more normals differ, the less
-//                a neighbour counts, where samples have them.
+//                Under the greater widths albedo has to be alike, too, and the more normals differ,
+//                the less a neighbour counts, where samples have them.
 //   errors       (sample - prediction)^2 / (wide mean^2 + epsilon^2), averaged over a window
-//   how far      what makes the error of the two predictions' mix least, there and then: where noise and
+//   how far      what makes the error of the two predictions' mix least, there and then: where
+//   noise and
 //                structure meet, part of both is kept
-// Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), mixing of predictions by the same
-// errors (Wolpert 1992; Breiman 1996, "Stacked regressions"), twicing (Tukey 1977; Stuetzle and Mittal 1979);
-// own combination.
-// Kernels work on blocks [first, last) of samples.
-// Cost: some 1000 neighbours a sample in all, about 0.3 us.  Memory: 140 bytes a sample.
-// Threads: through the context.
+// Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), mixing of
+// predictions by the same errors (Wolpert 1992; Breiman 1996, "Stacked regressions"), twicing
+// (Tukey 1977; Stuetzle and Mittal 1979); own combination. Kernels work on blocks [first, last) of
+// samples. Cost: some 800 neighbours a sample in all, about 0.3 us.  Memory: 70 bytes a sample, and
+// 84 for each of a band of rows: the field is gone through from top to bottom once. Threads:
+// through the context.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -35,22 +38,23 @@ namespace weft::light_field {
 
 struct Smoothing {
     static constexpr size_t widths = 4;
-    static constexpr size_t treatments = widths + 1;  // 0 as it is, 1 ... smoothed, the last sharpened
+    static constexpr size_t treatments =
+        widths + 1;                     // 0 as it is, 1 ... smoothed, the last sharpened
     std::array<float, widths> width{};  // px, ascending; the first is that of the filter to come
     float window = 3;                   // px: errors are averaged within it
     float slope = 0.6f;                 // px: most that two of one surface differ by
     float velocity = 1.5f;              // px per shutter
     float depth = 0.03f;                // of the logarithm
-    float normal = 0.55f;               // difference of unit normals from which on two are not smoothed together
-    float albedo = 0.1f;                // the same of albedo, each channel
-    float caution = 0.5f;               // standard errors by which a wider kernel has to win
-    float sharp_caution = 2;            // the same for sharpening
-    float epsilon = 0.1f;               // radiance below which errors count less
+    float normal = 0.55f;  // difference of unit normals from which on two are not smoothed together
+    float albedo = 0.1f;   // the same of albedo, each channel
+    float caution = 0.5f;  // standard errors by which a wider kernel has to win
+    float sharp_caution = 2;  // the same for sharpening
+    float epsilon = 0.1f;     // radiance below which errors count less
 };
 
-// Samples in a grid, row by row. Cells are flat, so that a dozen samples that follow one another are
-// about as high as wide together: a block, which looks at what is around it at once. All arrays are
-// sorted by cell and longer than needed, for whole vectors.
+// Samples in a grid, row by row. Cells are flat, so that a dozen samples that follow one another
+// are about as high as wide together: a block, which looks at what is around it at once. All arrays
+// are sorted by cell and longer than needed, for whole vectors.
 struct SampleField {
     static constexpr size_t block_size = 16;
     struct Block {
@@ -61,12 +65,13 @@ struct SampleField {
     int columns = 0, rows = 0;
     float cell_width = 1, cell_height = 1, x0 = 0, y0 = 0;
     bool moving = false;               // else all velocities are 0
-    std::vector<std::uint32_t> start;  // columns x rows + 1
+    std::vector<std::uint32_t> start;  // of each cell, row by row; then twice the end
     std::vector<Block> blocks;
     LargeArray<std::uint32_t> order;  // index in the buffer
     std::span<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
-    std::array<std::span<float>, 3> normal, albedo;  // empty where samples have none; normals of unit length
-    LargeArray<float> memory, normals, albedos;      // theirs
+    std::array<std::span<float>, 3> normal,
+        albedo;  // empty where samples have none; normals of unit length
+    LargeArray<float> memory, normals, albedos;  // theirs
 
     int column_of(float at) const { return clamped((at - x0) / cell_width, columns); }
     int row_of(float at) const { return clamped((at - y0) / cell_height, rows); }
@@ -84,23 +89,31 @@ struct SampleField {
 // `radius`: of the gaps expected between samples, px.
 SampleField sample_field(const Samples& samples, float radius, Context& ctx);
 
+// Values of the field's samples from `first` on, as many as there is room for, in several arrays:
+// element i - first is of sample i.
+struct Stretch {
+    size_t first = 0, room = 0;
+    LargeArray<float> memory;  // of the arrays
+
+    // Has values of samples [from, end) only, which it had before.
+    void keep(size_t from, size_t end);
+};
+
 // What the filter to come makes of each sample, and the sum of its weights there.
-struct Filtered {
+struct Filtered : Stretch {
     std::span<float> r, g, b, weight;
-    LargeArray<float> memory;  // theirs
-    explicit Filtered(size_t n);
+    explicit Filtered(size_t room);
 };
 
 // What each treatment but the first makes of a sample, against the sample as it is.
 struct Change {
-    std::span<float> gain;  // error less that of the sample as it is: below 0, it gains
-    std::span<float> way;   // from the one prediction to the other, squared, as errors are
+    std::span<float> gain;     // error less that of the sample as it is: below 0, it gains
+    std::span<float> way;      // from the one prediction to the other, squared, as errors are
     std::span<float> r, g, b;  // smoothed; none where sharpened
 };
-struct Changes {
+struct Changes : Stretch {
     std::array<Change, Smoothing::treatments - 1> of;
-    LargeArray<float> memory;  // theirs
-    explicit Changes(size_t n);
+    explicit Changes(size_t room);
     const Change& operator[](size_t treatment) const { return of[treatment - 1]; }
 };
 

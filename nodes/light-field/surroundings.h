@@ -117,9 +117,9 @@ class Surroundings {
         alike_ = hn::AllFalse(f, unlike);
     }
 
-    // `sums` after work(sums, i, distance, on_surface) for the samples i of a ring: their distance
-    // from each place; on_surface(value) is 0 where they are not of the place's surface. (What is
-    // summed up is passed by value, to stay in registers.)
+    // `sums` after work(sums, i, d2, on_surface) for the samples i of a ring: their squared
+    // distance from each place; on_surface(value) is 0 where they are not of the place's surface.
+    // (What is summed up is passed by value, to stay in registers.)
     template <class Of, class Work>
     HWY_INLINE Of each(size_t ring, const Places& places, Of sums, Work&& work) const {
         return alike_ ? each_of<true>(ring_[ring], places, sums, work)
@@ -132,27 +132,22 @@ class Surroundings {
     HWY_INLINE Of each_alike(size_t ring, const Places& places, Of sums, Work&& work) const {
         const bool normals = !s_.normal[0].empty(), albedo = !s_.albedo[0].empty();
         if (!normals && !albedo) return each(ring, places, sums, work);
-        return each(ring, places, sums,
-                    [&](Of& of, size_t i, VF distance, auto on_surface) HWY_ATTR {
-                        VF alike = hn::Set(f, 1.0f);
-                        if (normals) {
-                            VF apart = hn::Zero(f);
-                            for (size_t c = 0; c < 3; ++c) {
-                                const VF way =
-                                    hn::Sub(hn::Set(f, s_.normal[c][i]), places.normal[c]);
-                                apart = hn::MulAdd(way, way, apart);
-                            }
-                            alike = hn::Max(hn::Zero(f), hn::NegMulAdd(apart, per_normal_, alike));
-                        }
-                        for (size_t c = 0; albedo && c < 3; ++c)
-                            alike = hn::IfThenElseZero(
-                                hn::Le(hn::AbsDiff(hn::Set(f, s_.albedo[c][i]), places.albedo[c]),
-                                       albedo_),
-                                alike);
-                        work(of, i, distance, [&](VF value) HWY_ATTR {
-                            return on_surface(hn::Mul(alike, value));
-                        });
-                    });
+        return each(ring, places, sums, [&](Of& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
+            VF alike = hn::Set(f, 1.0f);
+            if (normals) {
+                VF apart = hn::Zero(f);
+                for (size_t c = 0; c < 3; ++c) {
+                    const VF way = hn::Sub(hn::Set(f, s_.normal[c][i]), places.normal[c]);
+                    apart = hn::MulAdd(way, way, apart);
+                }
+                alike = hn::Max(hn::Zero(f), hn::NegMulAdd(apart, per_normal_, alike));
+            }
+            for (size_t c = 0; albedo && c < 3; ++c)
+                alike = hn::IfThenElseZero(
+                    hn::Le(hn::AbsDiff(hn::Set(f, s_.albedo[c][i]), places.albedo[c]), albedo_),
+                    alike);
+            work(of, i, d2, [&](VF value) HWY_ATTR { return on_surface(hn::Mul(alike, value)); });
+        });
     }
 
   private:
@@ -175,9 +170,9 @@ class Surroundings {
         const float *x = s_.x.data(), *y = s_.y.data();
         for (const std::uint32_t i : std::span(ring.sample).first(ring.count)) {
             const VF dx = hn::Sub(hn::Set(f, x[i]), p.x), dy = hn::Sub(hn::Set(f, y[i]), p.y);
-            const VF distance = hn::Sqrt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)));
+            const VF d2 = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
             if constexpr (alike) {
-                work(sums, i, distance, [](VF value) HWY_ATTR { return value; });
+                work(sums, i, d2, [](VF value) HWY_ATTR { return value; });
             } else {
                 const auto near = [](float a, VF b, VF most) HWY_ATTR {
                     return hn::Le(hn::AbsDiff(hn::Set(f, a), b), most);
@@ -187,7 +182,7 @@ class Surroundings {
                 if (s_.moving)
                     in = hn::And(in, hn::And(near(s_.velocity_x[i], p.vx, velocity_),
                                              near(s_.velocity_y[i], p.vy, velocity_)));
-                work(sums, i, distance,
+                work(sums, i, d2,
                      [in](VF value) HWY_ATTR { return hn::IfThenElseZero(in, value); });
             }
         }

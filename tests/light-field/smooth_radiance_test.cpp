@@ -199,6 +199,29 @@ TEST(SmoothRadiance, BlackAndEmptyBuffersComeOutAsTheyWere) {
     EXPECT_EQ(RunNode("smooth-radiance").in("samples", none).out<Samples>("samples").size(), 0u);
 }
 
+// A field is gone through in bands of rows, of which no sample is to notice anything.
+TEST(SmoothRadiance, InBandsItIsAsInOne) {
+    using namespace light_field;
+    PlainContext ctx;
+    const Samples samples = random_samples(500, 400, 1, Kind_of::moving_in_depth);
+    const float radius = dispersion_radius(1);
+    Smoothing by;
+    const Array<float> smoothed = smooth_radiance(samples, radius, 4, by, ctx);
+    for (size_t k = 0; k < Smoothing::widths; ++k)
+        by.width[k] = radius * std::pow(4.0f, float(k) / float(Smoothing::widths - 1));
+    by.window = by.width.back();
+    const SampleField s = sample_field(samples, radius, ctx);
+    ASSERT_GT(s.size, 3 * 65536u);
+    const size_t blocks = s.blocks.size();
+    Filtered filtered(s.size);
+    Changes changes(s.size);
+    std::vector<float> rgb(3 * s.size);
+    WEFT_PICK(filter_samples)(s, by, 0, blocks, filtered);
+    WEFT_PICK(find_errors)(s, filtered, by, 0, blocks, changes);
+    WEFT_PICK(treat)(s, filtered, changes, by, 0, blocks, rgb);
+    EXPECT_TRUE(std::ranges::equal(smoothed.view(), rgb));
+}
+
 TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     using namespace light_field;
     PlainContext ctx;
@@ -229,8 +252,9 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
         return std::max(0.0, 1 - apart / (by.normal * by.normal));
     };
     const auto weight = [&](size_t k, size_t i, size_t j) {
-        const double d = distance(i, j), w = d < 0 ? 0 : std::max(0.0, 1 - d / by.width[k]);
-        return k == 0 ? w * w : w * likeness(i, j);
+        const double d = distance(i, j) / by.width[k];
+        if (d < 0 || d > 1) return 0.0;
+        return k == 0 ? (1 - d) * (1 - d) : (1 - d * d) * likeness(i, j);
     };
     const std::span<const float> y[3] = {s.r, s.g, s.b};
     // Prediction of sample i by treatment k from the radiance `of`, without sample `out`.
@@ -299,9 +323,9 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
             for (size_t k = 1; k < 5; ++k) {
                 double gain = 0, spread = 0, way = 0;
                 for (size_t j = 0; j < n; ++j) {
-                    const double d = distance(i, j);
-                    if (d < 0 || d >= by.window) continue;
-                    const double w = (1 - d / by.window) * likeness(i, j), g = w * double(changes[k].gain[j]);
+                    const double d = distance(i, j) / by.window;
+                    if (d < 0 || d >= 1) continue;
+                    const double w = (1 - d * d) * likeness(i, j), g = w * double(changes[k].gain[j]);
                     gain += g;
                     spread += g * g;
                     way += w * double(changes[k].way[j]);
