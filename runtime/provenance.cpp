@@ -47,7 +47,7 @@ std::string content_hash(const std::string& path) {
     file.seekg(start > 0 ? std::streamoff(start) : 0);
     XXH3_state_t* state = XXH3_createState();
     XXH3_64bits_reset(state);
-    std::vector<char> block(1 << 20);
+    std::vector<char> block(1 << 16);
     while (file.read(block.data(), std::streamsize(block.size())) || file.gcount() > 0)
         XXH3_64bits_update(state, block.data(), size_t(file.gcount()));
     const std::uint64_t hash = XXH3_64bits_digest(state);

@@ -170,6 +170,7 @@ void allocate(Hierarchy& h, bool colored) {
     for (auto* values : {&h.X, &h.Y, &h.W}) values->resize(count * Hierarchy::group_size);
     if (h.moving)
         for (auto* values : {&h.VX, &h.VY, &h.VW}) values->resize(count * Hierarchy::group_size);
+    if (h.moving) h.paths.resize(4 * n);
     if (colored) h.rgba.resize(4 * n);
 }
 
@@ -268,6 +269,10 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
                 const size_t from = h.order[i];
                 for (size_t c = 0; c < 3; ++c) h.rgba[4 * i + c] = rgb[3 * from + c];
                 h.rgba[4 * i + 3] = alpha.empty() ? 1.0f : alpha[from];
+            }
+            for (size_t i = begin; i < end && h.moving; ++i) {
+                float* to = &h.paths[4 * i];
+                to[0] = h.W[i], to[1] = h.VX[i], to[2] = h.VY[i], to[3] = h.VW[i];
             }
             for (size_t i = end; i % Hierarchy::group_size; ++i) place_nowhere(h, i);
             for (size_t bounded = g; bounded < std::min(g + groups, last); ++bounded)

@@ -37,10 +37,11 @@ class Hierarchy {
     // nowhere (W < 0). Position at lens centre and time t: (X + (t - 1/2) VX) / (W + (t - 1/2) VW),
     // y likewise; a sample is there while the divisor is above 0.
     LargeArray<float> X, Y, W;
-    LargeArray<float> VX, VY, VW;     // empty where nothing moves
-    LargeArray<float> rgba;           // 4 a sample: radiance, alpha; empty where a light sees them
+    LargeArray<float> VX, VY, VW;  // empty where nothing moves
+    LargeArray<float> paths;       // W, VX, VY, VW again, side by side, for samples here and there
+    LargeArray<float> rgba;        // 4 a sample: radiance, alpha; empty where a light sees them
     LargeArray<std::uint32_t> order;  // index in the buffer
-    Array<float> uv, t;               // the buffer's own, in its order: where and when each was seen
+    Array<float> uv, t;  // the buffer's own, in its order: where and when each was seen
 
     // What a group's samples keep to: at (u, v, t), with d = t - 1/2 and s = slope,
     //   x in [x_low, x_high] + slope aspect u + velocity_x d,   y in [y_low, y_high] + slope v +

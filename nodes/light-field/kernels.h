@@ -92,7 +92,8 @@ struct SeeScratch {
     std::vector<std::uint32_t> open;    // locations that are not settled at first sight
     std::vector<std::uint8_t> colored;  // whether they have a colour, should they have one surface
     // Candidates of one location: as they are found, and nearest first.
-    std::vector<float> found_x, found_y, found_depth, x, y, depth, slope, velocity_x, velocity_y;
+    std::vector<float> found_x, found_y, found_depth, found_slope, found_velocity_x, found_velocity_y;
+    std::vector<float> x, y, depth, slope, velocity_x, velocity_y;
     std::vector<std::uint32_t> found, rank, sample;
     std::vector<float> weight;  // of those that are filtered
     std::vector<std::uint32_t> seen;
@@ -101,7 +102,7 @@ struct SeeScratch {
 
     void grow(size_t n) {
         if (x.size() >= n) return;
-        for (auto* values : {&found_x, &found_y, &found_depth, &x, &y, &depth, &slope, &velocity_x, &velocity_y, &weight,
+        for (auto* values : {&found_x, &found_y, &found_depth, &found_slope, &found_velocity_x, &found_velocity_y, &x, &y, &depth, &slope, &velocity_x, &velocity_y, &weight,
                              &coverage.x, &coverage.y})
             values->resize(2 * n);
         for (auto* values : {&found, &rank, &sample, &seen}) values->resize(2 * n);

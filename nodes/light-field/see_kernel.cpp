@@ -56,7 +56,8 @@ class Seeing {
           c_(scratch),
           out_(out),
           weight_(set.tent.radius),
-          limit_(hn::Set(f, set.radius * set.radius)), near_(hn::Set(f, set.cover_radius * set.cover_radius)),
+          limit_(hn::Set(f, set.radius * set.radius)),
+          near_(hn::Set(f, set.cover_radius * set.cover_radius)),
           enough_(thin_near * samples_in(set.cover_radius, h_)) {
         // No two candidates can conflict where their spread (Candidates::spread) is at most this.
         const auto bound = [&](float way, float step) {
@@ -191,6 +192,40 @@ class Seeing {
         return hn::GatherIndex(f, from.data(), samples);
     }
 
+    // Of samples here and there: the divisor of their positions, and how all three change.
+    struct Paths {
+        VF W, VX, VY, VW;
+    };
+    HWY_INLINE Paths paths(const std::uint32_t* list, size_t count) const {
+        // Every fourth sample, from the first to the fourth on; then transposed within blocks.
+        const auto part = [&](size_t k) HWY_ATTR {
+            const auto one = [&](size_t lane) HWY_ATTR {
+                return hn::LoadU(q, &h_.paths[4 * size_t(list[lane < count ? lane : 0])]);
+            };
+#if HWY_MAX_BYTES == 64
+            const hn::FixedTag<float, 8> o;
+            return hn::Combine(f, hn::Combine(o, one(k + 12), one(k + 8)),
+                               hn::Combine(o, one(k + 4), one(k)));
+#elif HWY_MAX_BYTES == 32
+            return hn::Combine(f, one(k + 4), one(k));
+#else
+            return one(k);
+#endif
+        };
+        const hn::Repartition<std::uint64_t, F> two;
+        const auto pair = [two](VF v) HWY_ATTR { return hn::BitCast(two, v); };
+        const VF a = part(0), b = part(1), c = part(2), d = part(3);
+        const auto low_ab = pair(hn::InterleaveLower(f, a, b)),
+                   low_cd = pair(hn::InterleaveLower(f, c, d)),
+                   high_ab = pair(hn::InterleaveUpper(f, a, b)),
+                   high_cd = pair(hn::InterleaveUpper(f, c, d));
+        const auto whole = [](auto v) HWY_ATTR { return hn::BitCast(f, v); };
+        return {whole(hn::InterleaveLower(two, low_ab, low_cd)),
+                whole(hn::InterleaveUpper(two, low_ab, low_cd)),
+                whole(hn::InterleaveLower(two, high_ab, high_cd)),
+                whole(hn::InterleaveUpper(two, high_ab, high_cd))};
+    }
+
     // Puts the candidates in order of depth, with what they do at the location.
     Layers layers(size_t l, std::uint32_t spread) {
         const float u = p_.u, v = p_.v, box = set_.test.box;
@@ -201,31 +236,37 @@ class Seeing {
         const VF at_x = hn::Set(f, at_.x[l] - h_.lens.c1 * u * h_.lens.aspect),
                  at_y = hn::Set(f, at_.y[l] - h_.lens.c1 * v);
         for (size_t i = 0; i < n_; i += lanes) {
-            const VI sample = samples_at(c_.found, i);
-            VF depth = load(h_.W, sample);
-            if (h_.moving) depth = hn::MulAdd(time, load(h_.VW, sample), depth);
+            VF depth;
+            if (h_.moving) {
+                const Paths path = paths(&c_.found[i], n_ - i);
+                depth = hn::MulAdd(time, path.VW, path.W);
+                if (moving) {
+                    const VF inverse = hn::Div(way, depth);
+                    const VF x = hn::Add(at_x, hn::LoadU(f, &c_.found_x[i])),
+                             y = hn::Add(at_y, hn::LoadU(f, &c_.found_y[i]));
+                    hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(path.VW, x, path.VX)), f,
+                               &c_.found_velocity_x[i]);
+                    hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(path.VW, y, path.VY)), f,
+                               &c_.found_velocity_y[i]);
+                }
+            } else {
+                depth = load(h_.W, samples_at(c_.found, i));
+            }
             hn::StoreU(depth, f, &c_.found_depth[i]);
+            hn::StoreU(hn::MulAdd(c0, hn::Div(one, depth), c1), f, &c_.found_slope[i]);
         }
         rank_by_depth(c_.found_depth.data(), n_, c_.rank.data());
         for (size_t i = 0; i < n_; ++i) {
             const size_t to = c_.rank[i];
             c_.x[to] = c_.found_x[i];
             c_.y[to] = c_.found_y[i];
-            c_.depth[to] = c_.found_depth[i];
+            c_.slope[to] = c_.found_slope[i];
             c_.sample[to] = c_.found[i];
         }
-        for (size_t i = 0; i < n_; i += lanes) {
-            const VF depth = hn::LoadU(f, &c_.depth[i]);
-            hn::StoreU(hn::MulAdd(c0, hn::Div(one, depth), c1), f, &c_.slope[i]);
-            if (!moving) continue;
-            const VI sample = samples_at(c_.sample, i);
-            const VF inverse = hn::Div(way, depth), VW = load(h_.VW, sample);
-            const VF x = hn::Add(at_x, hn::LoadU(f, &c_.x[i])),
-                     y = hn::Add(at_y, hn::LoadU(f, &c_.y[i]));
-            hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(VW, x, load(h_.VX, sample))), f,
-                       &c_.velocity_x[i]);
-            hn::StoreU(hn::Mul(inverse, hn::NegMulAdd(VW, y, load(h_.VY, sample))), f,
-                       &c_.velocity_y[i]);
+        for (size_t i = 0; i < n_ && moving; ++i) {
+            const size_t to = c_.rank[i];
+            c_.velocity_x[to] = c_.found_velocity_x[i];
+            c_.velocity_y[to] = c_.found_velocity_y[i];
         }
         return {c_, n_, h_.lens.aspect, set_.test.tolerance, moving};
     }
@@ -276,24 +317,22 @@ class Seeing {
                  stretch = hn::Set(f, h_.lens.aspect);
         VF x[vectors], y[vectors], depth[vectors], slope[vectors], vx[vectors], vy[vectors];
         for (size_t k = 0, i = 0; k < vectors; ++k, i += lanes) {
-            const VI sample = samples_at(c_.found, i);
             x[k] = hn::LoadU(f, &c_.found_x[i]);
             y[k] = hn::LoadU(f, &c_.found_y[i]);
-            depth[k] = load(h_.W, sample);
             if (h_.moving) {
-                const VF VW = load(h_.VW, sample);
-                depth[k] = hn::MulAdd(time, VW, depth[k]);
+                const Paths path = paths(&c_.found[i], n_ - i);
+                depth[k] = hn::MulAdd(time, path.VW, path.W);
                 if constexpr (moving) {
                     const VF at_x = hn::Set(f, at_.x[l] - h_.lens.c1 * u * h_.lens.aspect),
                              at_y = hn::Set(f, at_.y[l] - h_.lens.c1 * v);
                     const VF inverse = hn::Div(hn::Set(f, 0.5f * box), depth[k]);
-                    vx[k] = hn::Mul(inverse,
-                                    hn::NegMulAdd(VW, hn::Add(at_x, x[k]), load(h_.VX, sample)));
-                    vy[k] = hn::Mul(inverse,
-                                    hn::NegMulAdd(VW, hn::Add(at_y, y[k]), load(h_.VY, sample)));
+                    vx[k] = hn::Mul(inverse, hn::NegMulAdd(path.VW, hn::Add(at_x, x[k]), path.VX));
+                    vy[k] = hn::Mul(inverse, hn::NegMulAdd(path.VW, hn::Add(at_y, y[k]), path.VY));
                     hn::StoreU(vx[k], f, &c_.velocity_x[i]);
                     hn::StoreU(vy[k], f, &c_.velocity_y[i]);
                 }
+            } else {
+                depth[k] = load(h_.W, samples_at(c_.found, i));
             }
             slope[k] = hn::MulAdd(c0, hn::Div(one, depth[k]), c1);
             hn::StoreU(depth[k], f, &c_.depth[i]);
@@ -364,8 +403,8 @@ class Seeing {
         filter(l, c_.x.data(), c_.y.data(), c_.sample.data(), n);
     }
 
-    // Front to back: the first surface that surrounds the location, else the last; thin ones before it by the part of
-    // the location that they cover.
+    // Front to back: the first surface that surrounds the location, else the last; thin ones before
+    // it by the part of the location that they cover.
     void settle(size_t l) {
         const std::uint32_t spread = gather(l);
         out_.candidates += n_;
@@ -398,11 +437,14 @@ class Seeing {
             const auto in = hn::FirstN(f, end - i);
             const VF d2 = squared(hn::LoadU(f, &c_.x[i]), hn::LoadU(f, &c_.y[i]));
             around += hn::CountTrue(f, hn::And(in, hn::Lt(d2, wide)));
-            const VF tent = hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Sqrt(d2), per_radius, hn::Set(f, 1.0f)));
+            const VF tent =
+                hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Sqrt(d2), per_radius, hn::Set(f, 1.0f)));
             sum = hn::Add(sum, hn::IfThenElseZero(in, hn::Mul(tent, tent)));
         }
-        if (float(around) >= thin_around * samples_in(2 * radius, h_)) return surrounds(first, end) ? 1.0f : 0.0f;
-        return std::min(1.0f, hn::GetLane(hn::SumOfLanes(f, sum)) / (squared_tent_mean * samples_in(radius, h_)));
+        if (float(around) >= thin_around * samples_in(2 * radius, h_))
+            return surrounds(first, end) ? 1.0f : 0.0f;
+        return std::min(1.0f, hn::GetLane(hn::SumOfLanes(f, sum)) /
+                                  (squared_tent_mean * samples_in(radius, h_)));
     }
 
     // Whether candidates [first, end) surround the location.
@@ -456,7 +498,8 @@ class Seeing {
     Colors& out_;
     const TentWeight<power> weight_;
     const VF limit_, near_;
-    const float enough_;  // samples of a surface that is not too thin to be seen to surround a location
+    const float
+        enough_;  // samples of a surface that is not too thin to be seen to surround a location
     std::int32_t slopes_ = 0, velocities_ = 0;
     size_t n_ = 0;  // candidates of the location at hand
 };

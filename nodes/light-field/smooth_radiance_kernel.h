@@ -64,8 +64,8 @@ struct SampleField {
     size_t size = 0;
     int columns = 0, rows = 0;
     float cell_width = 1, cell_height = 1, x0 = 0, y0 = 0;
-    bool moving = false;               // else all velocities are 0
-    std::vector<std::uint32_t> start;  // of each cell, row by row; then twice the end
+    bool moving = false;              // else all velocities are 0
+    LargeArray<std::uint32_t> start;  // of each cell, row by row; then twice the end
     std::vector<Block> blocks;
     LargeArray<std::uint32_t> order;  // index in the buffer
     std::span<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
