@@ -40,6 +40,16 @@ class SamplePaths {
         return {(m[0] - (x(i) - lens[0] * lens_.c1) * m[2]) / w,
                 (m[1] - (y(i) - lens[1] * lens_.c1) * m[2]) / w};
     }
+    // Change of (x w, y w, w) over the shutter, seen from the sample's own lens position.
+    std::array<double, 3> homogeneous_motion(size_t i) const {
+        if (motion_.empty()) return {0, 0, 0};
+        const auto lens = uv(i);
+        const double mw = double(motion_[3 * i + 2]);
+        const double c1 = uv_.empty() ? 0 : double(lens_.c1);
+        return {double(motion_[3 * i]) + double(lens[0]) * c1 * mw,
+                double(motion_[3 * i + 1]) + double(lens[1]) * c1 * mw, mw};
+    }
+    float depth(size_t i) const { return z_[i] < INFINITY ? z_[i] : 1.0f; }
     // Where it is at another time: from its own lens position, or from the lens's centre; false
     // where it is behind the camera then.
     bool at(size_t i, float time, bool centre, std::array<float, 3>& x_y_coc) const {
@@ -59,7 +69,6 @@ class SamplePaths {
     }
 
   private:
-    float depth(size_t i) const { return z_[i] < INFINITY ? z_[i] : 1.0f; }
     std::span<const float> xy_, uv_, z_, t_, motion_;
     Lens lens_;
 };

@@ -216,6 +216,81 @@ TEST(ShearedFilter, of_random_planes_is_never_worse_than_the_box) {
     }
 }
 
+Image splat(const Samples& samples) {
+    return RunNode("trajectory-splat").in("samples", samples).out<Image>("image");
+}
+
+TEST(TrajectorySplat, of_a_moving_texture_is_what_was_measured) {
+    struct {
+        Wave wave;
+        double one, four;
+    } const table[] = {{waves[0], .13, .04}, {waves[1], .09, .03}, {waves[2], .19, .065}};
+    for (const auto& row : table)
+        for (const int spp : {1, 4}) {
+            double filtered = 0, plain = 0;
+            for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+                const Samples samples =
+                    samples_of_scene({96, 16, spp, seed}, grating(row.wave.L, row.wave.v));
+                const auto exact = [&](int x, int) {
+                    return grating_pixel(x, row.wave.L, row.wave.v);
+                };
+                filtered += std::pow(rmse_of(splat(samples), exact, 25), 2) / 4;
+                plain += std::pow(rmse_of(box(samples), exact, 25), 2) / 4;
+            }
+            EXPECT_LT(std::sqrt(filtered), spp == 1 ? row.one : row.four)
+                << row.wave.L << ", plain " << std::sqrt(plain);
+            EXPECT_LT(filtered, .4 * plain);
+        }
+}
+
+TEST(TrajectorySplat, keeps_a_constant_and_follows_planes_that_come_nearer) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 20; ++i) {
+        Samples samples = samples_of_scene(
+            {24, 20, 2, std::uint64_t(i)}, [&](double, double, double, double, double) {
+                return SeenPoint{.7, 2, 9 * unit(random), 9 * unit(random)};
+            });
+        // Some come nearer, some pass the camera.
+        std::vector<float> motion(samples.motion().begin(), samples.motion().end());
+        for (size_t k = 2; k < motion.size(); k += 3) motion[k] = float(3 * unit(random));
+        samples.add("motion", 3, std::move(motion));
+        const Image out = splat(samples);
+        for (const float kept : out.pixels()) ASSERT_TRUE(kept == .7f || kept == 0);
+    }
+    // A still picture is the box filter's.
+    const Samples still = samples_of_scene({16, 16, 4, 1, 0, 0, false}, grating(8, 0));
+    const Image out = splat(still), plain = box(still);
+    for (size_t i = 0; i < out.pixels().size(); ++i)
+        EXPECT_NEAR(out.pixels()[i], plain.pixels()[i], 1e-6);
+}
+
+// One sample alone: its light lies along its path, by the time spent in each pixel.
+TEST(TrajectorySplat, gives_each_pixel_the_time_spent_in_it) {
+    Samples one;
+    one.width = 16, one.height = 8;
+    one.set_size(2);
+    std::vector<std::uint64_t> first(129, 1);
+    first[0] = 0, first[128] = 2;
+    for (size_t pixel = 1; pixel < 128; ++pixel) first[pixel] = 1;
+    one.first = std::move(first);
+    one.add("xy", 2, {.5f, .5f, 15.5f, 7.5f});
+    one.add("t", 1, {0, 0});
+    one.add("z", 1, {1, 1});
+    one.add("motion", 3, {12, 6, 0, 0, 0, 0});
+    one.add("rgb", 3, {1, 1, 1, 0, 0, 0});
+    const Image out = splat(one);
+    int lit = 0;
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 16; ++x) {
+            lit += *out.at(x, y) > 0;
+            if (*out.at(x, y) > 0) {
+                EXPECT_LE(std::abs((x + .5) / 2 - (y + .25)), 1.0);
+            }
+        }
+    EXPECT_GE(lit, 18);
+}
+
 TEST(ShearedFilter, works_without_motion_and_lens_and_says_what_does_not_fit) {
     Samples still = samples_of_scene({8, 8, 4, 1, 0, 0, false}, grating(8, 0));
     const Image out = sheared(still), plain = box(still);
