@@ -40,15 +40,15 @@ struct DepthVote {
     void batch(const Inputs& in, Outputs& out) const {
         const Samples& lights = in.get<Samples>("light-samples");
         const LightView& view = in.get<LightView>("light-view");
-        depth_vote(in.get<Candidates>("candidates"), in.get<Surfaces>("surfaces"),
-                   in.get<Visibility>("visibility"), in.get<ShadowQueries>("queries"),
-                   lights.values("z_gradient"), lights.z(),
-                   {test, bias, radius_scale, view.c0x(), view.c0y()},
-                   out.get<LightShares>("shares"));
+        const Candidates& candidates = in.get<Candidates>("candidates");
+        depth_vote(candidates, in.get<Surfaces>("surfaces"), in.get<Visibility>("visibility"),
+                   in.get<ShadowQueries>("queries"),
+                   {*candidates.hierarchy, lights.values("z_gradient"), lights.z(), view},
+                   {test, bias, radius_scale}, out.get<LightShares>("shares"));
     }
 };
 
-WEFT_NODE(DepthVote, "depth-vote", 1)
+WEFT_NODE(DepthVote, "depth-vote", 2)
 
 }  // namespace
 }  // namespace weft

@@ -5,69 +5,41 @@
 namespace weft::shadows {
 namespace {
 
-struct Slope {
-    float x, y;
-};
-// Of a plane's inverse depth, seen from l instead of l = 0.
-Slope seen_from(Slope h, float lx, float ly, const VoteSettings& set) {
-    const float divisor = 1 + float(set.c0x) * h.x * lx + float(set.c0y) * h.y * ly;
-    if (!(std::abs(divisor) >= 0.1f)) return {0, 0};
-    return {h.x / divisor, h.y / divisor};
-}
-
 class Voters {
   public:
-    Voters(const Candidates& c, const ShadowQueries& queries, std::span<const float> gradient,
-           std::span<const float> depth, const VoteSettings& set)
-        : c_(c),
-          h_(*c.hierarchy),
-          queries_(queries),
-          gradient_(gradient),
-          depth_(depth),
-          set_(set) {}
+    Voters(const Candidates& c, const ShadowQueries& queries, const Planes& planes,
+           const VoteSettings& set)
+        : c_(c), queries_(queries), planes_(planes), set_(set) {}
 
     void at(size_t l) {
-        l_ = l;
+        lx_ = c_.u_of(l), ly_ = c_.v_of(l);
         time_ = c_.t_of(l) - 0.5f;
-        inverse_ = queries_.inverse_depth[l];
-        own_ = seen_from({queries_.slope_x[l], queries_.slope_y[l]}, c_.u_of(l), c_.v_of(l), set_);
+        receiver_ = {queries_.inverse_depth[l],
+                     planes_.from({queries_.slope_x[l], queries_.slope_y[l]}, lx_, ly_)};
     }
     bool lit(std::uint32_t i) const {
-        const std::uint32_t s = c_.sample[i], j = h_.order[s];
-        const float w = h_.W[s] + (h_.moving ? time_ * h_.VW[s] : 0.0f);
-        const float dx = c_.dx[i], dy = c_.dy[i];
-        const float gx = gradient_.empty() ? 0.0f : gradient_[2 * j],
-                    gy = gradient_.empty() ? 0.0f : gradient_[2 * j + 1];
-        if (set_.test == DepthTest::linear)
-            return 1 / inverse_ - set_.bias <= w - (gx * dx + gy * dy);
-        const float at_depth = depth_[j], square = -1 / (at_depth * at_depth), inverse = 1 / w;
-        const Slope slope = seen_from({gx * square, gy * square}, c_.u_of(l_), c_.v_of(l_), set_);
-        const float limit = set_.bias * inverse_;
-        if (inverse_ + limit >= inverse - (slope.x * dx + slope.y * dy)) return true;
-        return set_.test == DepthTest::both_planes &&
-               inverse_ + (own_.x * dx + own_.y * dy) + limit >= inverse;
+        return !planes_.before(receiver_, c_.sample[i], c_.dx[i], c_.dy[i], lx_, ly_, time_,
+                               set_.test, set_.bias);
     }
 
   private:
     const Candidates& c_;
-    const Hierarchy& h_;
     const ShadowQueries& queries_;
-    std::span<const float> gradient_, depth_;
+    const Planes& planes_;
     const VoteSettings& set_;
-    size_t l_ = 0;
-    float time_ = 0, inverse_ = 0;
-    Slope own_{0, 0};
+    Seen receiver_;
+    float lx_ = 0, ly_ = 0, time_ = 0;
 };
 
 }  // namespace
 
 void depth_vote(const Candidates& c, const Surfaces& s, const Visibility& v,
-                const ShadowQueries& queries, std::span<const float> gradient,
-                std::span<const float> depth, const VoteSettings& set, LightShares& out) {
+                const ShadowQueries& queries, const Planes& planes, const VoteSettings& set,
+                LightShares& out) {
     const size_t n = c.size();
     out.share.assign(n, 1);
     out.votes.assign(n, 0);
-    Voters voters(c, queries, gradient, depth, set);
+    Voters voters(c, queries, planes, set);
     size_t part = 0;
     for (size_t l = 0; l < n; ++l) {
         const float radius = set.tent * c.hierarchy->radius * c.ratio_of(l);

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "light-field/hierarchy.h"
 #include "render/scene.h"
 #include "shadows/light_view.h"
 #include "tests/graph_run.h"
@@ -39,7 +40,7 @@ std::string graph_of(const std::string& file, const std::string& kind, int seed 
                    "channels": ["basic", "position", "geometric_normal", "normal", "albedo", "direct", "direct_unshadowed", "light_index", "light_uv", "shadow_hit", "shadow_normal", "shadow_motion"]}}}},
         "write":  {{"type": "write-image", "in": {{"image": "picture"}}, "set": {{"file": "OUT", "depth": "float"}}}},)",
                                          file, kind == "reference" ? 256 : 4, seed);
-    if (kind != "shadows" && kind != "recorded")
+    if (kind != "shadows" && kind != "recorded" && kind != "published")
         return head +
                R"("picture": {"type": "pixel-filter", "in": {"samples": "render"}, "set": {"filter": "box"}}}})";
     std::string text = head + R"(
@@ -51,10 +52,16 @@ std::string graph_of(const std::string& file, const std::string& kind, int seed 
         "hierarchy": {"type": "build-hierarchy", "in": {"samples": "separate.rest"}},
         "locations": {"type": "output-locations", "in": {"hierarchy": "hierarchy"}, "set": {"per-pixel": 64}},
         "see":       {"type": "parts/seen-samples.json", "in": {"locations": "locations", "hierarchy": "hierarchy"}},
-        "shadow":    {"type": "parts/soft-shadow-z-reconstruct.json",
+        "shadow":    {"type": "SHADOW",
                       "in": {"locations": "locations", "seen": "see.seen", "hierarchy": "hierarchy", "samples": "density", "light-view": "view", "light-samples": "rays"}},
         "shade":     {"type": "shade-visible", "in": {"colors": "see.colors", "shares": "shadow.shares", "queries": "shadow.queries", "direct": "direct"}},
         "picture":   {"type": "accumulate", "in": {"colors": "shade", "locations": "locations"}}}})";
+    // As published: surfaces by triangles, depth taken for linear, an absolute bias.
+    text.replace(
+        text.find("SHADOW"), 6,
+        kind == "published"
+            ? R"(parts/soft-shadow-triangles.json", "set": {"test": "linear", "bias": 0.01}, "about": ")"
+            : "parts/soft-shadow-z-reconstruct.json");
     return text.replace(
         text.find("RAYS"), 4,
         kind == "recorded"
@@ -95,6 +102,35 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"moving_ball_open_lens",
                          scene_text(quad, 1, R"(, "focus": 6.5, "lens": {"radius": 0.08})")}),
     [](const auto& of) { return std::string(of.param.name); });
+
+TEST(ShadowPictures, AsPublishedToo) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << scene_text(quad);
+    const Image truth = GraphRun(graph_of(file, "reference", 7)).picture;
+    const double input = rmse(GraphRun(graph_of(file, "input")).picture, truth),
+                 ours = rmse(GraphRun(graph_of(file, "shadows")).picture, truth),
+                 published = rmse(GraphRun(graph_of(file, "published")).picture, truth);
+    EXPECT_LT(published, input);
+    EXPECT_LT(ours, 1.15 * published);
+}
+
+// Lights without size, and buffers in which nothing is blurred, take the same way.
+TEST(ShadowPictures, HardShadowsStayHard) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    for (
+        const char* light :
+        {R"({"shape": "point", "name": "key", "at": [0.5, 4, 0.5], "intensity": [30, 30, 30]})",
+         R"({"shape": "quad", "name": "key", "at": [0.5, 4, 0.5], "target": [0, 0, 0], "size": [1e-4, 1e-4], "radiance": [3e9, 3e9, 3e9]})"}) {
+        std::ofstream(file) << scene_text(light);
+        const Image truth = GraphRun(graph_of(file, "reference", 7)).picture;
+        const double input = rmse(GraphRun(graph_of(file, "input")).picture, truth);
+        for (const char* kind : {"shadows", "recorded"})
+            EXPECT_LT(rmse(GraphRun(graph_of(file, kind)).picture, truth), 1.2 * input)
+                << light << kind;
+    }
+}
 
 TEST(LightSamplesFromFile, NeedNoScene) {
     TestFolder folder;
@@ -144,6 +180,44 @@ TEST(LightSamplesFromFile, SaysWhatIsWrong) {
     Samples wrong = flat.samples;
     wrong.add("shadow_hit", 3, std::vector<float>(3 * wrong.size(), 77.0f));
     EXPECT_NE(error(wrong, flat.view).find("none of"), std::string::npos);
+}
+
+TEST(PassingRays, LieOnTheirRaysBeforeTheirHits) {
+    const Seen flat(scene_text(quad, 1));
+    const Samples hits = RunNode("light-samples-from-file")
+                             .in("samples", flat.samples)
+                             .in("light-view", flat.view)
+                             .out<Samples>("light-samples");
+    const auto hierarchy_of = [](const Samples& samples) {
+        return RunNode("build-hierarchy").in("samples", samples).out<Hierarchy>("hierarchy");
+    };
+    const Samples rays = RunNode("passing-rays")
+                             .in("light-samples", hits)
+                             .in("hierarchy", hierarchy_of(hits))
+                             .in("light-view", flat.view)
+                             .out<Samples>("light-samples");
+    ASSERT_GT(rays.size(), hits.size());
+    const auto end = rays.values("end");
+    size_t passes = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (i < hits.size()) {
+            EXPECT_EQ(end[i], 0) << i;
+            EXPECT_EQ(rays.z()[i], hits.z()[i]) << i;
+            continue;
+        }
+        ++passes;
+        EXPECT_LT(rays.z()[i], end[i]) << i;
+        EXPECT_GT(rays.z()[i], 0) << i;
+    }
+    EXPECT_GT(passes, 10u);
+    EXPECT_NE(error_of([&] {
+                  RunNode("passing-rays")
+                      .in("light-samples", hits)
+                      .in("hierarchy", hierarchy_of(rays))
+                      .in("light-view", flat.view)
+                      .out<Samples>("light-samples");
+              }).find("is not that of 'light-samples'"),
+              std::string::npos);
 }
 
 TEST(LightSamplesFromCamera, AreTheCamerasHits) {

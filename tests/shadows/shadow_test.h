@@ -17,6 +17,8 @@
 #include "samples/random.h"
 #include "shadows/depth_vote_kernel.h"
 #include "shadows/light_samples.h"
+#include "shadows/passing_rays_kernel.h"
+#include "shadows/ray_vote_kernel.h"
 #include "tests/run_node.h"
 
 namespace weft {
@@ -62,6 +64,8 @@ struct ShadowSetup {
     int spp = 16;            // light samples a light pixel
     bool timed = false;
     unsigned seed = 1;
+    bool rays = true;     // by rays; else by triangles, as published
+    double search = 1.4;  // R, by rays
     Occluder occluder;
 
     double depth_at(double x, double y) const {
@@ -81,6 +85,10 @@ class ShadowTest {
         view_.cx = view_.cy = 0.5 * view_.width;
         make_samples();
         PlainContext ctx;
+        hierarchy_ = light_field::build_hierarchy(samples_, light_field::Arrangement::layers,
+                                                  radius_scale, ctx);
+        if (!set_.rays) return;
+        samples_ = shadows::with_passes(samples_, hierarchy_, {}, view_, {}, ctx);
         hierarchy_ = light_field::build_hierarchy(samples_, light_field::Arrangement::layers,
                                                   radius_scale, ctx);
     }
@@ -125,14 +133,10 @@ class ShadowTest {
     }
     double share(double x, double y = 0, int points = 16,
                  const shadows::VoteSettings& vote = {}) const {
-        const std::vector<float> all = shares(x, y, points, with_view(vote));
+        const std::vector<float> all = shares(x, y, points, vote);
         double sum = 0;
         for (const float s : all) sum += double(s);
         return sum / double(all.size());
-    }
-    shadows::VoteSettings with_view(shadows::VoteSettings vote) const {
-        vote.c0x = view_.c0x(), vote.c0y = view_.c0y();
-        return vote;
     }
 
     // Stage by stage, as parts/soft-shadow-z-reconstruct.json has them.
@@ -149,14 +153,23 @@ class ShadowTest {
         for (Batch* batch :
              std::initializer_list<Batch*>{&candidates, &surfaces, &visibility, &shares})
             batch->pixels = at.pixels;
-        const float radius = 2 * light_field::largest_radius(hierarchy_, at);
+        const float wide = set_.rays ? float(set_.search) : 2.0f,
+                    radius = wide * light_field::largest_radius(hierarchy_, at);
         light_field::collect(hierarchy_, at.x0, at.y0, at.x1, at.y1, radius, block);
         WEFT_PICK(gather_each)(hierarchy_, block, at, radius, candidates);
-        light_field::narrow(2, at, candidates);
+        light_field::narrow(wide, at, candidates);
+        if (set_.rays) {
+            shadows::RayVoteScratch scratch;
+            shadows::ray_vote(candidates, ask,
+                              {hierarchy_, samples_.values("z_gradient"), samples_.z(), view_},
+                              samples_.values("end"), {vote.test, vote.bias}, scratch, shares);
+            return shares;
+        }
         WEFT_PICK(cluster)(candidates, {}, cluster, surfaces);
         WEFT_PICK(cover_finally)(candidates, surfaces, hierarchy_.radius, coverage, visibility);
-        shadows::depth_vote(candidates, surfaces, visibility, ask, samples_.values("z_gradient"),
-                            samples_.z(), vote, shares);
+        shadows::depth_vote(candidates, surfaces, visibility, ask,
+                            {hierarchy_, samples_.values("z_gradient"), samples_.z(), view_}, vote,
+                            shares);
         return shares;
     }
 
