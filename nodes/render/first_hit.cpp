@@ -98,29 +98,42 @@ void write_second_hits(const ChannelSet& channels, const Rays& hits,
     }
 }
 
-void write_shadow_hit(const RayScene& rays, const SurfacePoint& point, Vec3 start,
-                      const LightSample& light, float time, const ChannelSet& channels, Rays& probe,
+namespace {
+
+// Of what ray k hits, over the shutter.
+Vec3 motion_of(const RayScene& rays, const Rays& hits, size_t k) {
+    const Object& object = rays.objects()[hits.object[k]];
+    if (!object.moving()) return {};
+    return position_at(object, hits.primitive[k], hits.u[k], hits.v[k], 1) -
+           position_at(object, hits.primitive[k], hits.u[k], hits.v[k], 0);
+}
+
+}  // namespace
+
+void write_shadow_hit(const RayScene& rays, const Rays& hits, size_t k, const SurfacePoint& point,
+                      Vec3 start, const LightSample& light, const ChannelSet& channels, Rays& probe,
                       SampleBatch& out, size_t i) {
     using C = ChannelId;
+    const float time = hits.time[k];
     const float far = std::isinf(light.distance) ? 2 * rays.radius() + length(start - rays.center())
                                                  : light.distance;
     probe.set(0, start + light.direction * far, -light.direction, far * 1e-4f, far * (1 - 1e-5f),
               time, solid_mask | sheer_mask);
     rays.intersect(probe, 0, 1);
-    Vec3 position = point.position, normal = point.geometric, motion{};
-    if (probe.object[0] != no_object) {
+    const bool stopped = probe.object[0] != no_object;
+    Vec3 position = point.position, normal = point.geometric;
+    if (stopped) {
         const Object& object = rays.objects()[probe.object[0]];
         const SurfacePoint seen =
             surface_at(object, probe.primitive[0], probe.u[0], probe.v[0], time);
         position = seen.position;
         normal = dot(seen.geometric, light.direction) >= 0 ? seen.geometric : -seen.geometric;
-        if (object.moving())
-            motion = position_at(object, probe.primitive[0], probe.u[0], probe.v[0], 1) -
-                     position_at(object, probe.primitive[0], probe.u[0], probe.v[0], 0);
     }
     if (channels.has(C::shadow_hit)) out.set(C::shadow_hit, i, position);
     if (channels.has(C::shadow_normal)) out.set(C::shadow_normal, i, normal);
-    if (channels.has(C::shadow_motion)) out.set(C::shadow_motion, i, motion);
+    if (channels.has(C::shadow_motion))
+        out.set(C::shadow_motion, i,
+                stopped ? motion_of(rays, probe, 0) : motion_of(rays, hits, k));
 }
 
 }  // namespace weft::render

@@ -18,9 +18,9 @@ void write_second_hits(const ChannelSet& channels, const Rays& hits,
                        SampleBatch& out);
 
 // shadow_hit, shadow_normal, shadow_motion of sample i: the first thing that its light sees along
-// the sample's own shadow ray, which ends at `point`.
-void write_shadow_hit(const RayScene& rays, const SurfacePoint& point, Vec3 start,
-                      const LightSample& light, float time, const ChannelSet& channels, Rays& probe,
+// the sample's own shadow ray, which ends at `point`, where ray k of `hits` met something.
+void write_shadow_hit(const RayScene& rays, const Rays& hits, size_t k, const SurfacePoint& point,
+                      Vec3 start, const LightSample& light, const ChannelSet& channels, Rays& probe,
                       SampleBatch& out, size_t i);
 
 }  // namespace weft::render

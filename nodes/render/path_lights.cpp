@@ -148,7 +148,7 @@ void PathTracer::Pass::sample_lights(int vertex) {
                           shadow_key(w.key[k])};
         if (first && (wants(ChannelId::shadow_hit) || wants(ChannelId::shadow_normal) ||
                       wants(ChannelId::shadow_motion)))
-            write_shadow_hit(scene_rays(), shade.point, start, light, w.rays.time[k],
+            write_shadow_hit(scene_rays(), w.rays, k, shade.point, start, light,
                              options().channels, w.probe, out, i);
     }
 }

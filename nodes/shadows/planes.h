@@ -59,7 +59,7 @@ class Planes {
     Slope own(std::uint32_t s, float inverse, float lx, float ly) const {
         const Slope h = slope(h_.order[s]);
         const float divisor = std::max(1 + c0x_ * h.x * lx + c0y_ * h.y * ly, 1e-6f);
-        const float steep = std::hypot(h.x, h.y) / divisor, most = steepest_ * inverse;
+        const float steep = std::sqrt(h.x * h.x + h.y * h.y) / divisor, most = steepest_ * inverse;
         const float scale = (steep > most ? most / steep : 1) / divisor;
         return {h.x * scale, h.y * scale};
     }

@@ -17,21 +17,28 @@ class Voters {
     }
     void at(size_t l) { lx_ = c_.u_of(l), ly_ = c_.v_of(l), time_ = c_.t_of(l) - 0.5f; }
 
+    // Candidate i, a pass.
+    RayVoteScratch::Pass pass(std::uint32_t i) const {
+        const std::uint32_t j = h_.order[c_.sample[i]];
+        RayVoteScratch::Pass out{c_.dx[i], c_.dy[i], 1 / planes_.depth_at(c_.sample[i], time_),
+                                 0,        0,        1 / end_[j]};
+        if (!h_.uv.empty())
+            out.way_x = lens_x_ * (lx_ - h_.uv[2 * j]),
+            out.way_y = lens_y_ * (ly_ - h_.uv[2 * j + 1]);
+        return out;
+    }
     // Whether one of `passes` is free of the surface of candidate `hit`, and nearer than it.
-    bool free_of(std::uint32_t hit, std::span<const std::uint32_t> passes) const {
-        const float x = c_.dx[hit], y = c_.dy[hit];
+    bool free_of(std::uint32_t hit, std::span<const RayVoteScratch::Pass> passes) const {
+        if (passes.empty()) return false;
+        const float x = c_.dx[hit], y = c_.dy[hit], far = x * x + y * y;
         const float inverse = 1 / planes_.depth_beside(c_.sample[hit], x, y, lx_, ly_, time_);
-        for (const std::uint32_t i : passes) {
-            const std::uint32_t j = h_.order[c_.sample[i]];
-            const float move = inverse - 1 / planes_.depth_at(c_.sample[i], time_);
+        for (const RayVoteScratch::Pass& pass : passes) {
+            const float move = inverse - pass.inverse;
             // It goes on well behind the surface; or behind it and was seen to pass it.
-            const float behind = inverse - 1 / end_[j];
+            const float behind = inverse - pass.end;
             if (!(behind > level_ || (behind > 0 && std::abs(move) < level_))) continue;
-            float px = c_.dx[i], py = c_.dy[i];
-            if (!h_.uv.empty())
-                px += lens_x_ * move * (lx_ - h_.uv[2 * j]),
-                    py += lens_y_ * move * (ly_ - h_.uv[2 * j + 1]);
-            if (px * px + py * py < x * x + y * y) return true;
+            const float px = pass.x + move * pass.way_x, py = pass.y + move * pass.way_y;
+            if (px * px + py * py < far) return true;
         }
         return false;
     }
@@ -62,15 +69,24 @@ void ray_vote(const Candidates& c, const ShadowQueries& queries, const Planes& p
                             planes.from({queries.slope_x[l], queries.slope_y[l]}, lx, ly)};
         auto& [hits, passes] = scratch;
         hits.clear(), passes.clear();
+        voters.at(l);
         std::uint32_t votes = 0;
+        float least = 1e38f;
         for (std::uint32_t i = c.offset[l]; i < c.offset[l + 1]; ++i) {
             const bool passed = !end.empty() && end[h.order[c.sample[i]]] > 0;
             votes += !passed;
-            if (planes.before(receiver, c.sample[i], c.dx[i], c.dy[i], lx, ly, d, set.test,
-                              set.bias))
-                (passed ? passes : hits).push_back(i);
+            if (!planes.before(receiver, c.sample[i], c.dx[i], c.dy[i], lx, ly, d, set.test,
+                               set.bias))
+                continue;
+            if (passed) {
+                passes.push_back(voters.pass(i));
+                continue;
+            }
+            hits.push_back(i);
+            // The nearest first: most often it decides.
+            const float d2 = c.dx[i] * c.dx[i] + c.dy[i] * c.dy[i];
+            if (d2 < least) least = d2, std::swap(hits.front(), hits.back());
         }
-        voters.at(l);
         const bool open = std::all_of(hits.begin(), hits.end(), [&](std::uint32_t hit) {
             return voters.free_of(hit, passes);
         });

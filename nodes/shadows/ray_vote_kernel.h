@@ -14,7 +14,14 @@ struct RayVote {
 };
 
 struct RayVoteScratch {
-    std::vector<std::uint32_t> hits, passes;
+    // A ray that passed something before the receiver, as seen from the light's point.
+    struct Pass {
+        float x, y, inverse;  // px from the receiver, and 1/w there
+        float way_x, way_y;   // px it moves a unit of 1/w
+        float end;            // 1/w where it ends
+    };
+    std::vector<std::uint32_t> hits;
+    std::vector<Pass> passes;
 };
 
 // A receiver does not see the light's point if a ray was stopped on its way that comes nearer to it

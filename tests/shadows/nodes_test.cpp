@@ -164,6 +164,48 @@ struct Seen {
     }
 };
 
+// A ball's own lit side moves as the ball does, whether its shadow ray is stopped or not.
+TEST(ShadowHits, MoveAsWhatTheyLieOn) {
+    const Seen moving(scene_text(quad, 0.7));
+    const auto motion = moving.samples.values("shadow_motion"),
+               position = moving.samples.values("position"),
+               hit = moving.samples.values("shadow_hit"), t = moving.samples.t();
+    size_t own = 0, others = 0;
+    for (size_t i = 0; i < moving.samples.size(); ++i) {
+        if (!std::isfinite(moving.samples.z()[i])) continue;
+        const auto to_ball = [&](std::span<const float> p) {
+            return std::hypot(double(p[3 * i]) - (0.9 + 0.7 * double(t[i])),
+                              double(p[3 * i + 1]) - 0.5, double(p[3 * i + 2]) - 0.4);
+        };
+        const bool on_ball = to_ball(hit) < 0.501;
+        EXPECT_NEAR(motion[3 * i], on_ball ? 0.7f : 0.0f, 1e-4f) << i;
+        (on_ball && to_ball(position) < 0.501 ? own : others) += 1;
+    }
+    EXPECT_GT(own, 20u);
+    EXPECT_GT(others, 20u);
+}
+
+// Nothing moves, and the lens is a point: the seven dimensions are five or four.
+TEST(LightSamplesFromFile, TakeStillAndPinholeBuffers) {
+    const Seen still(scene_text(quad));
+    EXPECT_FALSE(still.samples.has_lens());
+    const Samples made = RunNode("light-samples-from-file")
+                             .in("samples", still.samples)
+                             .in("light-view", still.view)
+                             .out<Samples>("light-samples");
+    EXPECT_GT(made.size(), 0u);
+    EXPECT_TRUE(made.motion().empty());
+    Samples bare = still.samples;
+    std::erase_if(bare.channels, [](const Channel& c) { return c.name == "shadow_hit"; });
+    EXPECT_NE(error_of([&] {
+                  RunNode("light-samples-from-file")
+                      .in("samples", bare)
+                      .in("light-view", still.view)
+                      .out<Samples>("light-samples");
+              }).find("needs shadow_hit"),
+              std::string::npos);
+}
+
 TEST(LightSamplesFromFile, SaysWhatIsWrong) {
     const Seen round(scene_text(ball));
     const auto error = [](const Samples& samples, const LightView& view) {

@@ -65,7 +65,7 @@ struct ShadowSetup {
     bool timed = false;
     unsigned seed = 1;
     bool rays = true;     // by rays; else by triangles, as published
-    double search = 1.4;  // R, by rays
+    double search = 1;  // R, by rays
     Occluder occluder;
 
     double depth_at(double x, double y) const {
