@@ -18,19 +18,45 @@ float number(std::uint64_t seed, std::uint64_t key, size_t samples, int candidat
                           (std::uint64_t(samples) << 40 | std::uint64_t(candidate) << 8 | axis)));
 }
 
-// Cells along each axis: of about equal sides, `wanted` in all; at least one for 4 px of picture
-// and two along the others.
-std::vector<size_t> initial_cells(std::span<const float> extent, size_t wanted) {
-    double volume = 1;
-    for (const float e : extent) volume *= double(e);
-    const double side =
-        std::pow(volume / double(std::max<size_t>(wanted, 1)), 1.0 / double(extent.size()));
-    std::vector<size_t> cells;
-    for (size_t d = 0; d < extent.size(); ++d) {
-        const size_t least = d < 2 ? size_t(std::ceil(double(extent[d]) / 4)) : 2;
-        cells.push_back(std::max(least, size_t(std::llround(double(extent[d]) / side))));
+// How many first cells along each axis.
+std::vector<size_t> initial_cells(const TreeSettings& settings, size_t wanted, size_t most) {
+    const std::vector<float>& extent = settings.extent;
+    const int bits = settings.bits, extra_bits = settings.extra_bits;
+    if (bits >= 0) {
+        int extra = extra_bits;
+        if (extra < 0) {
+            const double each = std::pow(2.0, bits * double(extent.size()));
+            extra = std::max(
+                0, int(std::floor(std::log2(double(std::max<size_t>(wanted, 1)) / each) / 2)));
+        }
+        std::vector<size_t> cells(extent.size(), size_t(1) << bits);
+        cells[0] <<= extra, cells[1] <<= extra;
+        return cells;
     }
-    return cells;
+    // At least one for 4 px of picture and two along the others, unless that takes more than half
+    // the budget; beyond that as many as `wanted`, of about equal sides.
+    const auto cells_of = [&](double side, double px) {
+        std::vector<size_t> cells;
+        for (size_t d = 0; d < extent.size(); ++d) {
+            const size_t least = d < 2 ? size_t(std::ceil(double(extent[d]) / px)) : 2;
+            cells.push_back(std::max(least, size_t(double(extent[d]) / side)));
+        }
+        return cells;
+    };
+    const auto count = [](const std::vector<size_t>& cells) {
+        double all = 1;
+        for (const size_t n : cells) all *= double(n);
+        return all;
+    };
+    double px = 4;
+    while (px < 64 && count(cells_of(1e9, px)) > 0.5 * double(most)) px *= 1.25;
+    const double allowed = std::min(double(wanted), 0.5 * double(most));
+    double fine = 1e-3, coarse = 1e9;
+    for (int step = 0; step < 100; ++step) {
+        const double side = std::sqrt(fine * coarse);
+        (count(cells_of(side, px)) > allowed ? fine : coarse) = side;
+    }
+    return cells_of(coarse, px);
 }
 
 }  // namespace
@@ -58,12 +84,13 @@ double leaf_error(std::span<const float> rgb, double volume, Contrast contrast) 
 // Rows and columns of cells are shifted from one slab (of the axes behind x and y) to the next:
 // what a cell leaves unresolved at its sides then averages out over the slabs, where sides in line
 // would add up.
-Tree::Tree(const TreeSettings& settings, size_t initial_samples) : settings_(settings) {
+Tree::Tree(const TreeSettings& settings, size_t initial_samples, size_t budget)
+    : settings_(settings) {
     const size_t axes = dimensions();
     requested_.resize(axes);
     at_.resize(axes);
     const std::vector<size_t> cells =
-        initial_cells(settings_.extent, initial_samples / settings_.capacity);
+        initial_cells(settings_, initial_samples / settings_.capacity, budget / settings_.capacity);
     size_t slabs = 1;
     for (size_t d = 2; d < axes; ++d) slabs *= cells[d];
     const auto along = [&](size_t d, size_t slab) {
@@ -114,7 +141,36 @@ double Tree::total_error() const {
     return sum;
 }
 
+// Those of largest error, or, with alpha, each by chance; in order.
+std::vector<std::uint32_t> Tree::chosen_leaves(size_t most) const {
+    std::vector<std::uint32_t> order;
+    if (settings_.alpha > 0) {
+        double largest = 0;
+        for (const Leaf& leaf : leaves_)
+            if (!leaf.rests) largest = std::max(largest, leaf.error);
+        for (std::uint32_t l = 0; l < leaves_.size() && order.size() < most; ++l) {
+            const double probability = std::pow(leaves_[l].error / largest, settings_.alpha);
+            const float chance = unit_float(mix(mix(settings_.seed + round_) ^ leaves_[l].key));
+            if (!leaves_[l].rests && double(chance) < probability) order.push_back(l);
+        }
+        return order;
+    }
+    for (std::uint32_t l = 0; l < leaves_.size(); ++l)
+        if (!leaves_[l].rests) order.push_back(l);
+    const size_t round =
+        std::min({order.size(), most,
+                  std::max(least_round, size_t(double(leaves_.size()) * settings_.round))});
+    const auto larger = [&](std::uint32_t a, std::uint32_t b) {
+        return leaves_[a].error != leaves_[b].error ? leaves_[a].error > leaves_[b].error : a < b;
+    };
+    std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(round), order.end(), larger);
+    order.resize(round);
+    std::sort(order.begin(), order.end());
+    return order;
+}
+
 size_t Tree::request(size_t most) {
+    ++round_;
     chosen_.clear();
     for (auto& axis : requested_) axis.clear();
     const auto place = [&](std::uint32_t l, const std::array<float, most_axes>& p) {
@@ -134,18 +190,7 @@ size_t Tree::request(size_t most) {
             for (size_t k = 0; k < settings_.capacity; ++k) place(l, candidate(leaves_[l], k, 0));
         return chosen_.size();
     }
-    std::vector<std::uint32_t> order;
-    for (std::uint32_t l = 0; l < leaves_.size(); ++l)
-        if (!leaves_[l].rests) order.push_back(l);
-    const size_t round =
-        std::min({order.size(), most,
-                  std::max(least_round, size_t(double(leaves_.size()) * settings_.round))});
-    const auto larger = [&](std::uint32_t a, std::uint32_t b) {
-        return leaves_[a].error != leaves_[b].error ? leaves_[a].error > leaves_[b].error : a < b;
-    };
-    std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(round), order.end(), larger);
-    order.resize(round);
-    std::sort(order.begin(), order.end());
+    const std::vector<std::uint32_t> order = chosen_leaves(most);
     for (const std::uint32_t l : order) {
         const Leaf& leaf = leaves_[l];
         std::array<float, most_axes> best{};
@@ -163,7 +208,7 @@ size_t Tree::request(size_t most) {
         }
         place(l, best);
     }
-    return round;
+    return order.size();
 }
 
 void Tree::insert(std::span<const float> rgb) {

@@ -22,6 +22,9 @@ struct TreeSettings {
     double round = 1.0 / 16;    // of the leaves get a sample in a round
     Contrast contrast = Contrast::relative;
     std::uint64_t seed = 1;
+    double alpha = 0;     // not 0: each leaf by chance, with probability (error / largest)^alpha
+    int bits = -1;        // first cells: 2^bits along an axis, 2^extra_bits as many along x and y
+    int extra_bits = -1;  // -1: as many as the first samples allow
 };
 
 // V (sum over channels of mean |f - m| / (m + 0.001), + 1e-5) of n samples of three channels, by
@@ -30,7 +33,8 @@ double leaf_error(std::span<const float> rgb, double volume, Contrast contrast);
 
 class Tree {
   public:
-    Tree(const TreeSettings& settings, size_t initial_samples);
+    // Initial cells for about `initial_samples`; for no more than half the budget, if it can be.
+    Tree(const TreeSettings& settings, size_t initial_samples, size_t budget);
 
     size_t leaves() const { return leaves_.size(); }
     size_t samples() const { return rgb_.size() / 3; }
@@ -60,6 +64,7 @@ class Tree {
     double volume(const Leaf& leaf) const;
 
   private:
+    std::vector<std::uint32_t> chosen_leaves(size_t most) const;
     void add_to(size_t leaf, std::uint32_t sample);
     bool cut(size_t leaf);
     void measure(Leaf& leaf);
@@ -70,6 +75,7 @@ class Tree {
     std::vector<std::vector<float>> requested_;  // [0, 1]
     std::vector<std::vector<float>> at_;         // px
     std::vector<float> rgb_;
+    std::uint64_t round_ = 0;
 };
 
 }  // namespace weft::adaptive

@@ -5,33 +5,36 @@
 #include <algorithm>
 #include <cmath>
 
-#include "samples/samplers.h"
+#include "samples/lens_shape.h"
 
 namespace weft::adaptive {
 
-std::vector<float> evaluate(const SamplerFunction& sampler,
-                            const std::vector<std::span<const float>>& axes,
-                            std::uint64_t hidden_seed, size_t& broken, Context& ctx) {
-    const size_t n = axes[0].size();
-    std::vector<float> rgb(3 * n);
-    broken += ctx.reduce(
+Evaluated evaluate(const SamplerFunction& sampler, const std::vector<std::span<const float>>& axes,
+                   std::uint64_t hidden_seed, Context& ctx) {
+    const size_t n = axes[0].size(), stride = sampler.values(), more = stride - 3;
+    Evaluated out;
+    out.rgb.resize(3 * n);
+    out.features.resize(more * n);
+    out.broken = ctx.reduce(
         n, 4096, size_t(0),
         [&](size_t begin, size_t end) {
             std::vector<std::span<const float>> part;
             for (const auto& axis : axes) part.push_back(axis.subspan(begin, end - begin));
-            const std::span<float> to(&rgb[3 * begin], 3 * (end - begin));
-            sampler.evaluate({part}, hidden_seed, to);
+            std::vector<float> values(stride * (end - begin));
+            sampler.evaluate({part}, hidden_seed, values);
             size_t bad = 0;
-            for (size_t i = 0; i < to.size(); i += 3) {
-                if (std::isfinite(to[i]) && std::isfinite(to[i + 1]) && std::isfinite(to[i + 2]))
-                    continue;
-                to[i] = to[i + 1] = to[i + 2] = 0;
-                ++bad;
+            for (size_t i = begin; i < end; ++i) {
+                const float* from = &values[stride * (i - begin)];
+                std::copy_n(from + 3, more, out.features.begin() + std::ptrdiff_t(more * i));
+                if (std::isfinite(from[0]) && std::isfinite(from[1]) && std::isfinite(from[2]))
+                    std::copy_n(from, 3, &out.rgb[3 * i]);
+                else
+                    ++bad;
             }
             return bad;
         },
         [](size_t a, size_t b) { return a + b; });
-    return rgb;
+    return out;
 }
 
 void judge_broken(size_t broken, size_t all, Context& ctx) {
@@ -44,7 +47,7 @@ void judge_broken(size_t broken, size_t all, Context& ctx) {
 }
 
 Samples samples_of(const SamplerFunction& sampler, const std::vector<std::span<const float>>& axes,
-                   std::span<const float> rgb, std::span<const float> weight,
+                   const Evaluated& values, std::span<const float> weight,
                    std::vector<std::uint32_t>& order) {
     const size_t n = axes[0].size();
     Samples s;
@@ -66,28 +69,50 @@ Samples samples_of(const SamplerFunction& sampler, const std::vector<std::span<c
     s.set_size(n);
 
     const auto column = [&](size_t components, const auto& of) {
-        std::vector<float> values(components * n);
-        for (size_t i = 0; i < n; ++i) of(size_t(order[i]), &values[components * i]);
-        return values;
+        std::vector<float> made(components * n);
+        for (size_t i = 0; i < n; ++i) of(size_t(order[i]), &made[components * i]);
+        return made;
     };
+    s.lens = sampler.lens;
+    s.meta = sampler.meta;
     s.add("xy", 2, column(2, [&](size_t i, float* to) {
               to[0] = axes[0][i] * float(s.width);
               to[1] = axes[1][i] * float(s.height);
           }));
     const int u = sampler.axis("u"), v = sampler.axis("v");
+    const Lens shape = sampler.lens.value_or(Lens{});
     if (u >= 0 && v >= 0)
         s.add("uv", 2, column(2, [&](size_t i, float* to) {
-                  const Disk disk = concentric_disk(axes[size_t(u)][i], axes[size_t(v)][i]);
-                  to[0] = disk.u, to[1] = disk.v;
+                  const auto on = on_lens(axes[size_t(u)][i], axes[size_t(v)][i], shape);
+                  to[0] = on[0], to[1] = on[1];
               }));
-    for (size_t d = 2; d < sampler.axes.size(); ++d) {
-        const std::string& name = sampler.axes[d].name;
-        if (name == "u" || name == "v") continue;
-        std::string channel = name;
+    const int lu = sampler.axis("light-u"), lv = sampler.axis("light-v");
+    const bool light = lu >= 0 && lv >= 0;
+    if (light)
+        s.add("light_uv", 2, column(2, [&](size_t i, float* to) {
+                  to[0] = axes[size_t(lu)][i], to[1] = axes[size_t(lv)][i];
+              }));
+    const ShutterCurve shutter = shutter_of(sampler.meta);
+    for (int d = 2; d < int(sampler.axes.size()); ++d) {
+        if ((u >= 0 && v >= 0 && (d == u || d == v)) || (light && (d == lu || d == lv))) continue;
+        std::string channel = sampler.axes[size_t(d)].name;
         std::replace(channel.begin(), channel.end(), '-', '_');
-        s.add(channel, 1, column(1, [&](size_t i, float* to) { *to = axes[d][i]; }));
+        const auto axis = axes[size_t(d)];
+        const bool time = channel == "t";
+        s.add(channel, 1, column(1, [&](size_t i, float* to) {
+                  *to = time ? shutter.time(axis[i]) : axis[i];
+              }));
     }
-    s.add("rgb", 3, column(3, [&](size_t i, float* to) { std::copy_n(&rgb[3 * i], 3, to); }));
+    s.add("rgb", 3,
+          column(3, [&](size_t i, float* to) { std::copy_n(&values.rgb[3 * i], 3, to); }));
+    size_t before = 0;
+    for (const SamplerFeature& feature : sampler.features) {
+        const auto k = size_t(feature.components);
+        s.add(feature.name, feature.components, column(k, [&](size_t i, float* to) {
+                  std::copy_n(&values.features[(sampler.values() - 3) * i + before], k, to);
+              }));
+        before += k;
+    }
     if (!weight.empty())
         s.add("weight", 1, column(1, [&](size_t i, float* to) { *to = weight[i]; }));
     s.meta = s.meta_object();

@@ -80,7 +80,7 @@ struct TestSampler {
                         {"t", function == Function::disc ? 28
                               : moves                    ? std::abs(speed)
                                                          : 0}};
-        sampler.source = "test-sampler";
+        sampler.meta.set("source", "test-sampler");
         sampler.evaluate = [self = *this](const SamplerPoints& points, std::uint64_t hidden_seed,
                                           std::span<float> rgb) {
             for (size_t i = 0; i < points.size(); ++i) {

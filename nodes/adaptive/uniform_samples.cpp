@@ -52,11 +52,10 @@ struct UniformSamples {
                 }
         });
         const std::vector<std::span<const float>> views(points.begin(), points.end());
-        size_t broken = 0;
-        const std::vector<float> rgb = adaptive::evaluate(sampler, views, 0, broken, ctx);
-        adaptive::judge_broken(broken, n, ctx);
+        const adaptive::Evaluated values = adaptive::evaluate(sampler, views, 0, ctx);
+        adaptive::judge_broken(values.broken, n, ctx);
         std::vector<std::uint32_t> order;
-        out.set("samples", adaptive::samples_of(sampler, views, rgb, {}, order));
+        out.set("samples", adaptive::samples_of(sampler, views, values, {}, order));
     }
 };
 

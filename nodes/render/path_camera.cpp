@@ -14,7 +14,8 @@ void PathTracer::Pass::start_paths() {
     size_t i = 0;
     for (const PixelRun& run : runs) {
         const SampleSequence sequence =
-            sample_sequence(options().sampler, options().seed, run.x, run.y, run.spp);
+            run.numbers ? *run.numbers
+                        : sample_sequence(options().sampler, options().seed, run.x, run.y, run.spp);
         const float last_x = std::nextafter(float(run.x + 1), 0.0f),
                     last_y = std::nextafter(float(run.y + 1), 0.0f);
         for (std::uint32_t s = 0; s < run.count; ++s, ++i) {

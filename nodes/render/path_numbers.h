@@ -12,7 +12,7 @@ enum Pair : std::uint32_t { lens_pair, film_pair, time_pair, vertex_pairs };
 enum VertexPair : std::uint32_t { light_pair, bounce_pair, choice_pair, pairs_a_vertex };
 // So deep in a path good patterns no longer help: plain random numbers are cheaper.
 inline constexpr int patterned_vertices = 4;
-inline std::uint32_t pair_of(int depth, VertexPair pair) {
+constexpr std::uint32_t pair_of(int depth, VertexPair pair) {
     return vertex_pairs + std::uint32_t(depth) * pairs_a_vertex + pair;
 }
 inline Disk numbers_of(const SampleSequence& sequence, std::uint32_t index, int depth,

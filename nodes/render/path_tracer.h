@@ -38,6 +38,7 @@ struct PixelRun {
     int x = 0, y = 0;
     std::uint32_t first = 0, count = 0;
     int spp = 1;
+    const SampleSequence* numbers = nullptr;  // none: the options' sampler's of this pixel
 };
 // Runs are cut at multiples of this, so that packets are the same wherever a cut falls.
 inline constexpr std::uint32_t samples_in_packet = 16;

@@ -31,8 +31,14 @@ struct RenderNode {
             .choice("sampler", of(&RenderNode::sampler), {"independent", "stratified", "sobol"},
                     {.about = "how samples fill pixel, lens, shutter and lights; sobol is "
                               "Owen-scrambled, neighbouring pixels share one sequence"})
-            .param("seed", of(&RenderNode::seed), {.about = "another number, other samples"})
-            .choice("mode", of(&RenderNode::mode), {"path", "direct", "ambient-occlusion"},
+            .param("seed", of(&RenderNode::seed), {.about = "another number, other samples"});
+        declare_light(node);
+    }
+    // How light is followed.
+    template <class Node>
+    static void declare_light(Ports<Node>& node) {
+        const auto of = []<class T>(T RenderNode::*field) { return static_cast<T Node::*>(field); };
+        node.choice("mode", of(&RenderNode::mode), {"path", "direct", "ambient-occlusion"},
                     {.about = "path: all light; direct: from lights and what they hit first; "
                               "ambient-occlusion: how much of the sky a surface sees"})
             .param("max-depth", of(&RenderNode::max_depth),

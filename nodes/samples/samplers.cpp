@@ -151,6 +151,7 @@ SampleSequence sample_sequence(Sampler sampler, std::uint64_t seed, int x, int y
 }
 
 Disk SampleSequence::operator()(std::uint32_t index, std::uint32_t pair) const {
+    if (pair < 32 && (given_pairs >> pair & 1)) return given[pair];
     const std::uint32_t dimension = 2 * pair;
     if (sampler == Sampler::independent) return independent_pair(key, index, dimension);
     if (sampler == Sampler::stratified)

@@ -43,6 +43,9 @@ struct SampleSequence {
     std::uint32_t start = 0;  // sobol: of the pixel in its sequence
     std::uint32_t columns = 1, rows = 1;
     std::uint64_t key = 0;
+    // Pairs that somebody else chose: bit i of given_pairs is set where pair i is given[i].
+    std::uint32_t given_pairs = 0;
+    const Disk* given = nullptr;
     // Pair `pair` of sample `index` of the pixel. Cost: 10 to 30 ns. Threads: pure.
     Disk operator()(std::uint32_t index, std::uint32_t pair) const;
 };

@@ -77,7 +77,7 @@ TEST(AdaptiveTree, ErrorOfABoxIsItsVolumeTimesItsContrast) {
 // Five samples of the first box, at 0.1 0.2 0.4 0.7 0.9 of its longest side, are cut at 0.3 into two and three.
 TEST(AdaptiveTree, ABoxIsCutBetweenItsSecondAndThirdSampleAcrossItsLongestSide) {
     TreeSettings settings{.extent = {4, 4, 64}};
-    Tree tree(settings, 4);
+    Tree tree(settings, 4, 4000);
     const size_t before = tree.leaves();
     ASSERT_EQ(tree.request(0), 4 * before);
     // The first box alone is worth another sample.
@@ -174,7 +174,7 @@ TEST(AdaptiveSamples, AreTheSameHoweverLargeTheBudgetIsUntilTheSmallerOneEnds) {
     TreeSettings settings{.extent = {16, 16, 28}};
     const SamplerFunction sampler = sampler_of("disc", 48, 48);
     const auto sampled = [&](size_t budget) {
-        Tree tree(settings, 256);
+        Tree tree(settings, 256, 3000);
         std::vector<float> places;
         while (tree.samples() < budget) {
             const size_t n = tree.request(budget - tree.samples());
@@ -209,7 +209,7 @@ std::string error_of(const SamplerFunction& sampler, double budget) {
 }
 
 TEST(AdaptiveSamples, SayWhatIsWrong) {
-    EXPECT_NE(error_of(sampler_of("disc"), 0.5).find("raise budget"), std::string::npos);
+    EXPECT_NE(error_of(sampler_of("disc", 8, 8), 0.02).find("raise budget"), std::string::npos);
     SamplerFunction line = sampler_of("disc");
     line.axes.resize(1);
     EXPECT_NE(error_of(line, 4).find("1 axes"), std::string::npos);
