@@ -88,8 +88,8 @@ class Planes {
     bool before(const Seen& receiver, std::uint32_t s, float dx, float dy, float lx, float ly,
                 float d, DepthTest test, float bias) const {
         const float w = depth_at(s, d);
-        const std::uint32_t j = h_.order[s];
         if (test == DepthTest::linear) {
+            const std::uint32_t j = h_.order[s];
             const float gx = gradient_.empty() ? 0.0f : gradient_[2 * j],
                         gy = gradient_.empty() ? 0.0f : gradient_[2 * j + 1];
             return 1 / receiver.inverse - bias > w - (gx * dx + gy * dy);
@@ -98,8 +98,8 @@ class Planes {
         if (test == DepthTest::both_planes &&
             limit + (receiver.slope.x * dx + receiver.slope.y * dy) >= inverse)
             return false;
-        const Slope h =
-            test == DepthTest::both_planes ? own(s, inverse, lx, ly) : from(slope(j), lx, ly);
+        const Slope h = test == DepthTest::both_planes ? own(s, inverse, lx, ly)
+                                                       : from(slope(h_.order[s]), lx, ly);
         return limit < inverse - (h.x * dx + h.y * dy);
     }
 

@@ -70,14 +70,12 @@ void ray_vote(const Candidates& c, const ShadowQueries& queries, const Planes& p
         auto& [hits, passes] = scratch;
         hits.clear(), passes.clear();
         voters.at(l);
-        std::uint32_t votes = 0;
         float least = 1e38f;
         for (std::uint32_t i = c.offset[l]; i < c.offset[l + 1]; ++i) {
-            const bool passed = !end.empty() && end[h.order[c.sample[i]]] > 0;
-            votes += !passed;
             if (!planes.before(receiver, c.sample[i], c.dx[i], c.dy[i], lx, ly, d, set.test,
                                set.bias))
                 continue;
+            const bool passed = !end.empty() && end[h.order[c.sample[i]]] > 0;
             if (passed) {
                 passes.push_back(voters.pass(i));
                 continue;
@@ -91,7 +89,7 @@ void ray_vote(const Candidates& c, const ShadowQueries& queries, const Planes& p
             return voters.free_of(hit, passes);
         });
         out.share[l] = open ? 1 : 0;
-        out.votes[l] = votes;
+        out.votes[l] = c.offset[l + 1] - c.offset[l];
     }
 }
 
