@@ -23,6 +23,10 @@ struct Metrics {
     void describe(FieldVisitor& see) const;
 };
 
+// Space and tree of a buffer's samples, no distances yet; axes of `leaves` where there are some.
+// Throws Error, as `who`, where there are no samples or an axis is missing.
+Metrics metrics_over(const Samples& samples, const LeafTree* leaves, std::string_view who);
+
 WEFT_VALUE_TYPE(Metrics, "Metrics", "a distance around each sample, of all its axes")
 
 }  // namespace weft

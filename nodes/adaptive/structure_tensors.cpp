@@ -44,25 +44,16 @@ struct StructureTensors {
         const Samples& samples = in.get<Samples>("samples");
         const LeafTree* leaves = in.find<LeafTree>("leaves");
         samples.require("structure-tensors", {"xy", "rgb"});
-        if (samples.size() == 0)
-            ctx.fail(
-                "the buffer has no samples; sample at least one, or look at what dropped them");
-        Metrics metrics;
-        metrics.width = samples.width;
-        metrics.height = samples.height;
-        metrics.space = leaves ? space_of(*leaves) : space_of(samples);
-        const auto places = places_in(metrics.space, samples, "structure-tensors");
-        auto tree = std::make_shared<const PointTree>(
-            std::vector<std::span<const float>>(places.begin(), places.end()));
+        Metrics metrics = metrics_over(samples, leaves, "structure-tensors");
+        const PointTree& tree = *metrics.tree;
         std::vector<float> rgb;
         rgb.reserve(3 * samples.size());
-        for (const std::uint32_t i : tree->order())
+        for (const std::uint32_t i : tree.order())
             rgb.insert(rgb.end(), &samples.rgb()[3 * size_t(i)], &samples.rgb()[3 * size_t(i)] + 3);
         TensorSettings settings{std::max(size_t(neighbours), 3 * metrics.dimensions()), floor,
                                 ridge};
-        const auto slopes = gradients(*tree, rgb, settings, ctx);
-        metrics.upper = structure_metrics(*tree, rgb, slopes, settings, ctx);
-        metrics.tree = std::move(tree);
+        const auto slopes = gradients(tree, rgb, settings, ctx);
+        metrics.upper = structure_metrics(tree, rgb, slopes, settings, ctx);
         out.set("tensors", std::move(metrics));
     }
 };
