@@ -34,7 +34,7 @@ struct HierarchyNode {
         // What sorting takes is gone before the result's memory is asked for.
         const double n = double(in["samples"].records);
         return {{{"hierarchy",
-                  {in["samples"].width, in["samples"].height, 0, in["samples"].records, 48 * n}}},
+                  {in["samples"].width, in["samples"].height, 0, in["samples"].records, 64 * n}}},
                 0,
                 100 * n};
     }

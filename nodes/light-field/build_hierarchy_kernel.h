@@ -1,6 +1,6 @@
 // Building a Hierarchy: samples are carried to lens centre and half time, sorted, put in place and
 // bounded. Source: Lehtinen et al. 2011, Sec. 3.2 and Appendix A (see hierarchy.h). Cost: linear in
-// samples.  Memory: 48 bytes a sample, all of them the result's; 12 while keys are sorted. Threads:
+// samples.  Memory: 64 bytes a sample where things move, all of them the result's; 12 while keys are sorted. Threads:
 // through the context.
 #pragma once
 #include <span>
