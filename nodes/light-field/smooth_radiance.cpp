@@ -16,62 +16,69 @@ namespace light_field {
 
 namespace {
 
-constexpr size_t spare = 16;  // vectors may be read past the end
-
-// Cuts memory for arrays of n values into them, with some to spare.
-void lay_out(LargeArray<float>& memory, size_t n, std::initializer_list<std::span<float>*> arrays) {
-    memory.resize((n + spare) * arrays.size());
-    std::span<float> rest(memory);
-    for (std::span<float>* array : arrays) {
-        *array = rest.first(n + spare);
-        rest = rest.subspan(n + spare);
-        std::fill(array->begin() + std::ptrdiff_t(n), array->end(), 1.0f);
+// Adds the blocks of a row: runs of its samples, no wider than what they look at.
+void add_blocks(int row, SampleField& s) {
+    const auto x_of = [&](std::uint32_t i) { return s.x[i - s.first]; };
+    const auto end = std::uint32_t(s.start_of(row + 1));
+    for (auto i = std::uint32_t(s.start_of(row)); i < end;) {
+        const std::uint32_t begin = i, most = std::min(end, i + std::uint32_t(SampleField::block_size));
+        while (++i < most && std::abs(x_of(i) - x_of(begin)) < s.block_width) {
+        }
+        s.blocks.push_back({begin, i});
     }
 }
 
-// Runs of samples of one row, no wider than what they look at.
-std::vector<SampleField::Block> blocks_of(const SampleField& s, float widest) {
-    std::vector<SampleField::Block> blocks;
-    blocks.reserve(s.size / SampleField::block_size * 5 / 4);
-    for (int row = 0; row < s.rows; ++row) {
-        const std::uint32_t* start = &s.start[size_t(row) * size_t(s.columns)];
-        const std::uint32_t end = start[s.columns];
-        for (std::uint32_t i = start[0]; i < end;) {
-            const std::uint32_t begin = i,
-                                most = std::min(end, i + std::uint32_t(SampleField::block_size));
-            while (++i < most && std::abs(s.x[i] - s.x[begin]) < widest) {
-            }
-            blocks.push_back({begin, i});
-        }
+// Recentres count samples, which `from` has: work(k, path, x, y) for each. One behind the camera at
+// half time is where it was seen, at depth 1.
+template <class Work>
+void each_place(const Places& from, const Lens& lens, size_t count, Work&& work) {
+    std::array<std::array<float, Fetched::most>, 6> path{};
+    auto& [X, Y, W, VX, VY, VW] = path;
+    WEFT_PICK(recentre)
+    (from, lens, count, {X.data(), Y.data(), W.data(), VX.data(), VY.data(), VW.data()});
+    for (size_t k = 0; k < count; ++k) {
+        Recentred p{X[k], Y[k], W[k], VX[k], VY[k], VW[k]};
+        if (!(p.W > 0)) p = {from.xy[2 * k], from.xy[2 * k + 1], 1, 0, 0, 0};
+        work(k, p, p.X / p.W, p.Y / p.W);
     }
-    return blocks;
+}
+
+Lens lens_of(const Samples& samples) {
+    return samples.has_lens() ? *samples.lens : Lens{};
 }
 
 }  // namespace
 
-void Stretch::keep(size_t from, size_t end) {
-    for (auto array = memory.begin(); array != memory.end(); array += std::ptrdiff_t(room + spare))
-        std::copy(array + std::ptrdiff_t(from - first), array + std::ptrdiff_t(end - first), array);
-    first = from;
+void Stretch::lay_out(size_t room, std::span<std::span<float>* const> arrays) {
+    constexpr size_t spare = 16;  // vectors may be read past the end
+    length = room + spare;
+    memory.resize(length * arrays.size());
+    std::span<float> rest(memory);
+    for (std::span<float>* array : arrays) {
+        *array = rest.first(length);
+        rest = rest.subspan(length);
+    }
 }
 
-Filtered::Filtered(size_t n) {
-    room = n;
-    lay_out(memory, n, {&r, &g, &b, &weight});
+void Stretch::shift(size_t from, size_t end) {
+    for (auto array = memory.begin(); array != memory.end(); array += std::ptrdiff_t(length))
+        std::copy(array + std::ptrdiff_t(from), array + std::ptrdiff_t(end), array);
 }
 
-Changes::Changes(size_t n) {
+Filtered::Filtered(size_t room) {
+    lay_out(room, std::array{&r, &g, &b, &weight});
+}
+
+Changes::Changes(size_t room) {
     static_assert(Smoothing::widths == 4);
-    room = n;
     auto& [a, b, c, sharp] = of;
-    lay_out(memory, n,
-            {&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b, &c.gain, &c.way,
-             &c.r, &c.g, &c.b, &sharp.gain, &sharp.way});
+    lay_out(room, std::array{&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b,
+                             &c.gain, &c.way, &c.r, &c.g, &c.b, &sharp.gain, &sharp.way});
 }
 
 SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     const size_t n = samples.size();
-    const Lens lens = samples.has_lens() ? *samples.lens : Lens{};
+    const Lens lens = lens_of(samples);
     SampleField s;
     s.size = n;
     // Positions may lie outside the picture by what lens and motion move them; beyond a quarter
@@ -80,32 +87,18 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     // There are some 4.8 samples in a square of the radius.
     s.cell_width = 0.3f * radius;
     s.cell_height = 1.8f * radius;
+    s.block_width = 4 * radius;
     s.x0 = s.y0 = -border;
     s.columns = int((float(samples.width) + 2 * border) / s.cell_width) + 1;
     s.rows = int((float(samples.height) + 2 * border) / s.cell_height) + 1;
     s.moving = samples.has_motion();
     const Places places = places_of(samples);
-    // Of count samples, which `from` has; work(k, x, y, W) for each. One behind the camera at half
-    // time is where it was seen, at depth 1.
-    const auto each_place = [&](const Places& from, size_t count, auto&& work) {
-        std::array<std::array<float, Fetched::most>, 6> path{};
-        WEFT_PICK(recentre)
-        (from, lens, count,
-         {path[0].data(), path[1].data(), path[2].data(), path[3].data(), path[4].data(),
-          path[5].data()});
-        for (size_t k = 0; k < count; ++k) {
-            Recentred p{path[0][k], path[1][k], path[2][k], path[3][k], path[4][k], path[5][k]};
-            if (!(p.W > 0)) p = {from.xy[2 * k], from.xy[2 * k + 1], 1, 0, 0, 0};
-            work(k, p, p.X / p.W, p.Y / p.W);
-        }
-    };
     LargeArray<std::uint32_t> cell(n);
     ctx.parallel(n, 4096, [&](size_t begin, size_t end) {
-        for (size_t first = begin; first < end; first += Fetched::most)
-            each_place(places.from(first), std::min(Fetched::most, end - first),
+        for (size_t i = begin; i < end; i += Fetched::most)
+            each_place(places.from(i), lens, std::min(Fetched::most, end - i),
                        [&](size_t k, const Recentred&, float x, float y) {
-                           cell[first + k] =
-                               std::uint32_t(s.row_of(y) * s.columns + s.column_of(x));
+                           cell[i + k] = std::uint32_t(s.row_of(y) * s.columns + s.column_of(x));
                        });
     });
     // Counted one cell too far, so that each start is back at its own once its samples are put.
@@ -114,20 +107,38 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
     for (size_t c = 2; c < s.start.size(); ++c) s.start[c] += s.start[c - 1];
     s.order.resize(n);
     for (size_t i = 0; i < n; ++i) s.order[s.start[cell[i] + 1]++] = std::uint32_t(i);
-    lay_out(s.memory, n,
-            {&s.x, &s.y, &s.slope, &s.velocity_x, &s.velocity_y, &s.log_depth, &s.r, &s.g, &s.b});
-    const auto normal = samples.values("normal"), albedo = samples.values("albedo");
-    if (!normal.empty()) lay_out(s.normals, n, {&s.normal[0], &s.normal[1], &s.normal[2]});
-    if (!albedo.empty()) lay_out(s.albedos, n, {&s.albedo[0], &s.albedo[1], &s.albedo[2]});
-    const auto rgb = samples.rgb();
-    ctx.parallel(n, 4096, [&](size_t begin, size_t end) {
+    return s;
+}
+
+void make_room(const Samples& samples, size_t room, SampleField& s) {
+    std::vector<std::span<float>*> arrays{&s.x,          &s.y,         &s.slope, &s.velocity_x,
+                                          &s.velocity_y, &s.log_depth, &s.r,     &s.g,
+                                          &s.b};
+    const auto add = [&](const char* channel, std::array<std::span<float>, 3>& values) {
+        if (samples.values(channel).empty()) return;
+        for (std::span<float>& value : values) arrays.push_back(&value);
+    };
+    add("normal", s.normal);
+    add("albedo", s.albedo);
+    s.lay_out(room, arrays);
+}
+
+void fetch(const Samples& samples, int first_row, int last_row, SampleField& s, Context& ctx) {
+    const Lens lens = lens_of(samples);
+    const Places places = places_of(samples);
+    const auto rgb = samples.rgb(), normal = samples.values("normal"),
+               albedo = samples.values("albedo");
+    const size_t first = s.start_of(first_row);
+    ctx.parallel(s.start_of(last_row) - first, 4096, [&](size_t begin, size_t end) {
         Fetched fetched;
-        for (size_t first = begin; first < end; first += Fetched::most) {
-            const size_t count = std::min(Fetched::most, end - first);
-            fetched.fetch(places, std::span(s.order).subspan(first, count));
-            each_place(fetched.places(places), count,
+        for (size_t from = first + begin; from < first + end; from += Fetched::most) {
+            const auto some =
+                std::span(s.order).subspan(from, std::min(Fetched::most, first + end - from));
+            const size_t at = from - s.first;
+            fetched.fetch(places, some);
+            each_place(fetched.places(places), lens, some.size(),
                        [&](size_t k, const Recentred& p, float x, float y) {
-                           const size_t to = first + k;
+                           const size_t to = at + k;
                            s.x[to] = x;
                            s.y[to] = y;
                            s.slope[to] = lens.c0 / p.W + lens.c1;
@@ -135,60 +146,63 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
                            s.velocity_y[to] = (p.VY - y * p.VW) / p.W;
                            s.log_depth[to] = std::log(p.W);
                        });
-        }
-        for (size_t to = begin; to < end; ++to) {
-            const size_t i = s.order[to];
-            s.r[to] = rgb[3 * i];
-            s.g[to] = rgb[3 * i + 1];
-            s.b[to] = rgb[3 * i + 2];
-            if (!normal.empty()) {
-                const float* of = &normal[3 * i];
-                const float length = std::sqrt(of[0] * of[0] + of[1] * of[1] + of[2] * of[2]);
-                const bool none = !(length > 0 && std::isfinite(length));  // background, say
-                for (size_t c = 0; c < 3; ++c) s.normal[c][to] = none ? 0 : of[c] / length;
+            for (size_t k = 0; k < some.size(); ++k) {
+                const size_t i = 3 * size_t(some[k]), to = at + k;
+                s.r[to] = rgb[i];
+                s.g[to] = rgb[i + 1];
+                s.b[to] = rgb[i + 2];
+                if (!normal.empty()) {
+                    const float* of = &normal[i];
+                    const float length =
+                        std::sqrt(of[0] * of[0] + of[1] * of[1] + of[2] * of[2]);
+                    const bool none = !(length > 0 && std::isfinite(length));  // background, say
+                    for (size_t c = 0; c < 3; ++c) s.normal[c][to] = none ? 0 : of[c] / length;
+                }
+                if (!albedo.empty())
+                    for (size_t c = 0; c < 3; ++c)
+                        s.albedo[c][to] = std::isfinite(albedo[i + c]) ? albedo[i + c] : 0;
             }
-            if (!albedo.empty())
-                for (size_t c = 0; c < 3; ++c)
-                    s.albedo[c][to] = std::isfinite(albedo[3 * i + c]) ? albedo[3 * i + c] : 0;
         }
     });
-    s.blocks = blocks_of(s, 4 * radius);
-    return s;
+    for (int row = first_row; row < last_row; ++row) add_blocks(row, s);
 }
 
 namespace {
 
-// The field goes through the kernels in bands of whole rows. What is around a sample lies in
-// `reach` rows above and below its own: as many rows ahead of its treatment, and twice as many,
-// have been through the kernels before, and as many behind it are kept.
+// The field goes through the kernels in bands of whole rows. What is within the window of a sample
+// lies in `reach` rows above and below its own, what is within the narrowest kernel in `near`: so
+// far other kernels have to be ahead of its treatment, and so much behind it is kept.
 struct Bands {
     const SampleField& s;
-    int reach;
+    int reach, near;
 
-    size_t start(int row) const {
-        return s.start[size_t(std::clamp(row, 0, s.rows)) * size_t(s.columns)];
-    }
+    int judged(int end) const { return std::min(end + reach, s.rows); }
+    int filtered(int end) const { return std::min(end + reach + near, s.rows); }
+    int fetched(int end) const { return std::min(end + reach + std::max(reach, 2 * near), s.rows); }
+
     // Where the band that begins with a row ends: it has samples enough for many threads, and for
     // what is kept to be little beside it.
     int end(int row) const {
         constexpr size_t enough = 65536;
         int last = row + 4 * reach;
-        while (last < s.rows && start(last) - start(row) < enough) ++last;
+        while (last < s.rows && s.start_of(last) - s.start_of(row) < enough) ++last;
         return std::min(last, s.rows);
     }
-    // The most samples of a band and `behind` and `ahead` rows about it.
-    size_t most(int behind, int ahead) const {
+    // The most samples that are at hand for a band.
+    size_t room() const {
         size_t most = 0;
         for (int row = 0; row < s.rows; row = end(row))
-            most = std::max(most, start(end(row) + ahead) - start(row - behind));
+            most = std::max(most, s.start_of(fetched(end(row))) - s.start_of(row - reach));
         return most;
     }
+    // The first block at hand of a row.
     size_t block(int row) const {
-        const auto begins = [](const SampleField::Block& block, size_t sample) {
+        const auto before = [](const SampleField::Block& block, size_t sample) {
             return block.begin < sample;
         };
-        return size_t(std::lower_bound(s.blocks.begin(), s.blocks.end(), start(row), begins) -
-                      s.blocks.begin());
+        return size_t(
+            std::lower_bound(s.blocks.begin(), s.blocks.end(), s.start_of(row), before) -
+            s.blocks.begin());
     }
 };
 
@@ -199,38 +213,46 @@ Array<float> smooth_radiance(const Samples& samples, float radius, float widest,
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
     by.window = by.width.back();
-    const SampleField s = sample_field(samples, radius, ctx);
-    std::atomic<size_t> done = 0;
-    const Bands bands{s, int(by.window / s.cell_height) + 2};
-    const auto each = [&](int first_row, int last_row, auto&& work) {
-        ctx.parallel(bands.block(last_row) - bands.block(first_row), 64,
-                     [&](size_t first, size_t last) {
-                         work(first + bands.block(first_row), last + bands.block(first_row));
-                         ctx.progress(double(done += last - first), 3 * double(s.blocks.size()),
-                                      "blocks of samples");
-                     });
-    };
-    Filtered filtered(bands.most(0, 2 * bands.reach));
-    Changes changes(bands.most(bands.reach, bands.reach));
+    SampleField s = sample_field(samples, radius, ctx);
+    const Bands bands{s, int(by.window / s.cell_height) + 2, int(by.width[0] / s.cell_height) + 2};
+    const size_t room = bands.room();
+    make_room(samples, room, s);
+    Filtered filtered(room);
+    Changes changes(room);
     const auto rgb = std::make_shared<LargeArray<float>>(3 * s.size);
-    int filtered_to = 0, judged_to = 0;  // rows
-    for (int row = 0; row < s.rows;) {
-        const int end = bands.end(row), judged = std::min(end + bands.reach, s.rows),
-                  ahead = std::min(judged + bands.reach, s.rows);
-        filtered.keep(bands.start(row), bands.start(filtered_to));
-        changes.keep(bands.start(row - bands.reach), bands.start(judged_to));
-        each(filtered_to, ahead, [&](size_t first, size_t last) {
-            WEFT_PICK(filter_samples)(s, by, first, last, filtered);
+    std::atomic<size_t> done = 0;
+    const auto each = [&](int first_row, int last_row, auto&& work) {
+        const size_t from = bands.block(first_row), to = bands.block(last_row);
+        ctx.parallel(to - from, 64, [&](size_t first, size_t last) {
+            work(from + first, from + last);
+            const size_t count = s.blocks[from + last - 1].end - s.blocks[from + first].begin;
+            ctx.progress(double(done += count), 3 * double(s.size), "samples");
         });
-        each(judged_to, judged, [&](size_t first, size_t last) {
-            WEFT_PICK(find_errors)(s, filtered, by, first, last, changes);
+    };
+    for (int row = 0, last = 0; row < s.rows; row = last) {
+        // The band before ended where this begins; before the first there is nothing.
+        const auto before = [&](int to) { return row == 0 ? 0 : to; };
+        const int fetched = before(bands.fetched(row)), filtered_to = before(bands.filtered(row)),
+                  judged = before(bands.judged(row));
+        const size_t first = s.start_of(row - bands.reach), gone = first - s.first;
+        s.shift(gone, s.start_of(fetched) - s.first);
+        filtered.shift(gone, s.start_of(filtered_to) - s.first);
+        changes.shift(gone, s.start_of(judged) - s.first);
+        s.blocks.erase(s.blocks.begin(),
+                       s.blocks.begin() + std::ptrdiff_t(bands.block(row - bands.reach)));
+        s.first = first;
+
+        last = bands.end(row);
+        fetch(samples, fetched, bands.fetched(last), s, ctx);
+        each(filtered_to, bands.filtered(last), [&](size_t from, size_t to) {
+            WEFT_PICK(filter_samples)(s, by, from, to, filtered);
         });
-        each(row, end, [&](size_t first, size_t last) {
-            WEFT_PICK(treat)(s, filtered, changes, by, first, last, *rgb);
+        each(judged, bands.judged(last), [&](size_t from, size_t to) {
+            WEFT_PICK(find_errors)(s, filtered, by, from, to, changes);
         });
-        filtered_to = ahead;
-        judged_to = judged;
-        row = end;
+        each(row, last, [&](size_t from, size_t to) {
+            WEFT_PICK(treat)(s, filtered, changes, by, from, to, *rgb);
+        });
     }
     return {*rgb, rgb};
 }
@@ -264,7 +286,7 @@ struct SmoothRadiance {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records), band = std::min(n, 131072 + n / 8);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 64 * n + 84 * band, 800 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 20 * n + 168 * band, 800 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");

@@ -18,9 +18,9 @@ template <class Around, class Work>
 HWY_INLINE void each_vector(const SampleField& s, size_t first, size_t last, Around& around,
                             Work&& work) {
     for (size_t block = first; block < last; ++block) {
-        const auto [begin, end] = s.blocks[block];
+        const size_t begin = s.blocks[block].begin - s.first, end = s.blocks[block].end - s.first;
         around.find(begin, end);
-        for (size_t at = begin; at < end; at += lanes) work(at, std::min(size_t(end) - at, lanes));
+        for (size_t at = begin; at < end; at += lanes) work(at, std::min(end - at, lanes));
     }
 }
 
@@ -141,11 +141,10 @@ void filter_samples(const SampleField& s, const Smoothing& by, size_t first, siz
                        hn::Set(f, s.g[i]), hn::Set(f, s.b[i]));
             });
         const Color mean = sums.over(sums.w);  // 1 at least, the sample's own
-        const size_t to = at - out.first;
-        put(sums.w, n, &out.weight[to]);
-        put(mean.r, n, &out.r[to]);
-        put(mean.g, n, &out.g[to]);
-        put(mean.b, n, &out.b[to]);
+        put(sums.w, n, &out.weight[at]);
+        put(mean.r, n, &out.r[at]);
+        put(mean.g, n, &out.g[at]);
+        put(mean.b, n, &out.b[at]);
     });
 }
 
@@ -161,14 +160,13 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
         const Places places(s, at);
         const auto look_near = [&](Sharp& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
             const VF weight = on_surface(squared_tent(d2, per_width));
-            const size_t of_mean = i - filtered.first;
             const auto doubled =
-                [i, of_mean](std::span<const float> y, std::span<const float> mean)
-                    HWY_ATTR { return sharpened(hn::Set(f, y[i]), hn::Set(f, mean[of_mean])); };
+                [i](std::span<const float> y, std::span<const float> mean)
+                    HWY_ATTR { return sharpened(hn::Set(f, y[i]), hn::Set(f, mean[i])); };
             of.sums.add(weight, doubled(s.r, filtered.r), doubled(s.g, filtered.g),
                         doubled(s.b, filtered.b));
-            of.overlap = hn::Add(
-                of.overlap, hn::Div(hn::Mul(weight, weight), hn::Set(f, filtered.weight[of_mean])));
+            of.overlap = hn::Add(of.overlap,
+                                 hn::Div(hn::Mul(weight, weight), hn::Set(f, filtered.weight[i])));
         };
         const Sharp sharp = around.each(0, places, Sharp(), look_near);
         Sums wide[widths];
@@ -198,9 +196,8 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
             return hn::Div(one, hn::MulAdd(level, level, floor));
         };
         const Color weights{per_level(left.mean.r), per_level(left.mean.g), per_level(left.mean.b)};
-        const size_t to = at - out.first, as_filtered = at - filtered.first;
-        const VF narrow = hn::LoadU(f, &filtered.weight[as_filtered]);
-        const Color as_is = left.by(color_at(filtered, as_filtered), hn::Div(one, narrow));
+        const VF narrow = hn::LoadU(f, &filtered.weight[at]);
+        const Color as_is = left.by(color_at(filtered, at), hn::Div(one, narrow));
         const VF error = squares(as_is, weights);
         const auto put_change = [&](size_t k, const Color& guess, VF share) HWY_ATTR {
             // (One that stands alone says nothing of a treatment.)
@@ -210,14 +207,14 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
             // the lesser treatment is the better.
             const VF gain =
                 hn::NegMulAdd(hn::Set(f, 1 - 1e-5f * float(k)), error, squares(here, weights));
-            put(gain, n, &out.of[k - 1].gain[to]);
-            put(squares(here - as_is, weights), n, &out.of[k - 1].way[to]);
+            put(gain, n, &out.of[k - 1].gain[at]);
+            put(squares(here - as_is, weights), n, &out.of[k - 1].way[at]);
         };
         for (size_t k = 1; k < widths; ++k) {
             put_change(k, mean[k], hn::Div(one, wide[k].w));
-            put(mean[k].r, n, &out.of[k - 1].r[to]);
-            put(mean[k].g, n, &out.of[k - 1].g[to]);
-            put(mean[k].b, n, &out.of[k - 1].b[to]);
+            put(mean[k].r, n, &out.of[k - 1].r[at]);
+            put(mean[k].g, n, &out.of[k - 1].g[at]);
+            put(mean[k].b, n, &out.of[k - 1].b[at]);
         }
         // Of H + H (1 - H), with H_ij = w_ij / W_i.
         put_change(widths, sharp.sums.over(narrow),
@@ -235,12 +232,11 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
         const Places places(s, at);
         const auto weigh = [&](Gains& of, size_t i, VF d2, auto on_surface) HWY_ATTR {
             const VF weight = on_surface(paraboloid(d2, per_window));
-            const size_t change = i - changes.first;
             for (size_t k = 0; k < treatments - 1; ++k) {
-                const VF gain = hn::Mul(weight, hn::Set(f, changes.of[k].gain[change]));
+                const VF gain = hn::Mul(weight, hn::Set(f, changes.of[k].gain[i]));
                 of.gain[k] = hn::Add(of.gain[k], gain);
                 of.spread[k] = hn::MulAdd(gain, gain, of.spread[k]);
-                of.way[k] = hn::MulAdd(weight, hn::Set(f, changes.of[k].way[change]), of.way[k]);
+                of.way[k] = hn::MulAdd(weight, hn::Set(f, changes.of[k].way[i]), of.way[k]);
             }
         };
         const Gains gains =
@@ -268,7 +264,7 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
         const Color own = color_at(s, at);
         Color treated = own;
         for (size_t k = 1; k < widths; ++k)
-            treated = chosen(is(k), color_at(changes[k], at - changes.first), treated);
+            treated = chosen(is(k), color_at(changes[k], at), treated);
         if (!hn::AllFalse(f, is(widths))) {
             // Within what its neighbours are, or else one bright sample leaves dark ones around it
             // and grows itself.
@@ -280,7 +276,7 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
                 of[2].add(near, hn::Set(f, s.b[i]));
             };
             const auto [red, green, blue] = around.each(0, places, std::array<Range, 3>(), look);
-            const Color mean = color_at(filtered, at - filtered.first);
+            const Color mean = color_at(filtered, at);
             treated =
                 chosen(is(widths),
                        {red.limit(sharpened(own.r, mean.r)), green.limit(sharpened(own.g, mean.g)),
@@ -293,7 +289,7 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
         hn::Store(hn::MulAdd(part, way.g, own.g), f, g);
         hn::Store(hn::MulAdd(part, way.b, own.b), f, b);
         for (size_t j = 0; j < n; ++j) {
-            float* to = &rgb[3 * size_t(s.order[at + j])];
+            float* to = &rgb[3 * size_t(s.order[s.first + at + j])];
             to[0] = r[j], to[1] = g[j], to[2] = b[j];
         }
     });

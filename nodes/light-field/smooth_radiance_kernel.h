@@ -23,6 +23,7 @@
 // 84 for each of a band of rows: the field is gone through from top to bottom once. Threads:
 // through the context.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -52,10 +53,21 @@ struct Smoothing {
     float epsilon = 0.1f;     // radiance below which errors count less
 };
 
+// Values of samples in several arrays. They are longer than needed, for whole vectors.
+struct Stretch {
+    LargeArray<float> memory;  // of the arrays, one after another
+    size_t length = 0;         // of each
+
+    void lay_out(size_t room, std::span<std::span<float>* const> arrays);
+    // Brings elements [from, end) of all arrays to the front.
+    void shift(size_t from, size_t end);
+};
+
 // Samples in a grid, row by row. Cells are flat, so that a dozen samples that follow one another
-// are about as high as wide together: a block, which looks at what is around it at once. All arrays
-// are sorted by cell and longer than needed, for whole vectors.
-struct SampleField {
+// are about as high as wide together: a block, which looks at what is around it at once. Samples
+// are numbered in the order of the cells; those of some rows are at hand at a time, from `first`
+// on.
+struct SampleField : Stretch {
     static constexpr size_t block_size = 16;
     struct Block {
         std::uint32_t begin, end;
@@ -64,14 +76,17 @@ struct SampleField {
     size_t size = 0;
     int columns = 0, rows = 0;
     float cell_width = 1, cell_height = 1, x0 = 0, y0 = 0;
+    float block_width = 1;            // px, at most
     bool moving = false;              // else all velocities are 0
     LargeArray<std::uint32_t> start;  // of each cell, row by row; then twice the end
-    std::vector<Block> blocks;
     LargeArray<std::uint32_t> order;  // index in the buffer
+
+    // Of the samples at hand; element i of an array is of sample first + i.
+    size_t first = 0;
+    std::vector<Block> blocks;
     std::span<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
     std::array<std::span<float>, 3> normal,
         albedo;  // empty where samples have none; normals of unit length
-    LargeArray<float> memory, normals, albedos;  // theirs
 
     int column_of(float at) const { return clamped((at - x0) / cell_width, columns); }
     int row_of(float at) const { return clamped((at - y0) / cell_height, rows); }
@@ -80,26 +95,24 @@ struct SampleField {
         constexpr float far = std::numeric_limits<float>::infinity();
         return row <= 0 ? -far : row >= rows ? far : y0 + float(row) * cell_height;
     }
+    // The first sample of a row; of one past the end, the end.
+    size_t start_of(int row) const {
+        return start[size_t(std::clamp(row, 0, rows)) * size_t(columns)];
+    }
 
   private:
     static int clamped(float at, int count) {
         return at > 0 ? (at < float(count) ? int(at) : count - 1) : 0;
     }
 };
-// `radius`: of the gaps expected between samples, px.
+// In order, but none at hand, with room for some at a time. `radius`: of the gaps expected between
+// samples, px.
 SampleField sample_field(const Samples& samples, float radius, Context& ctx);
+void make_room(const Samples& samples, size_t room, SampleField& field);
+// Takes the samples of rows [first, last), which follow those at hand, to hand, too.
+void fetch(const Samples& samples, int first, int last, SampleField& field, Context& ctx);
 
-// Values of the field's samples from `first` on, as many as there is room for, in several arrays:
-// element i - first is of sample i.
-struct Stretch {
-    size_t first = 0, room = 0;
-    LargeArray<float> memory;  // of the arrays
-
-    // Has values of samples [from, end) only, which it had before.
-    void keep(size_t from, size_t end);
-};
-
-// What the filter to come makes of each sample, and the sum of its weights there.
+// What the filter to come makes of each sample at hand, and the sum of its weights there.
 struct Filtered : Stretch {
     std::span<float> r, g, b, weight;
     explicit Filtered(size_t room);

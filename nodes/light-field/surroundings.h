@@ -82,8 +82,8 @@ class Surroundings {
                 std::max({0.0f, s_.top_of(row) - y.most, y.least - s_.top_of(row + 1)});
             const float half = std::sqrt(std::max(0.0f, reach * reach - away * away)) + 1e-3f;
             const std::uint32_t* start = &s_.start[size_t(row) * size_t(s_.columns)];
-            size_t i = start[s_.column_of(x.least - half)];
-            const size_t last = start[s_.column_of(x.most + half) + 1];
+            size_t i = start[s_.column_of(x.least - half)] - s_.first;
+            const size_t last = start[s_.column_of(x.most + half) + 1] - s_.first;
             for (auto& ring : ring_) ring.grow(ring.count + (last - i) + lanes);
             for (; i < last; i += lanes) {
                 const VF dx = x.outside(hn::LoadU(f, &s_.x[i])),

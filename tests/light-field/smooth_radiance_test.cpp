@@ -38,6 +38,15 @@ double squared_error(std::span<const float> a, std::span<const float> truth) {
     return sum / double(a.size());
 }
 
+// All samples at hand.
+light_field::SampleField whole_field(const Samples& samples, float radius) {
+    PlainContext ctx;
+    light_field::SampleField s = light_field::sample_field(samples, radius, ctx);
+    light_field::make_room(samples, s.size, s);
+    light_field::fetch(samples, 0, s.rows, s, ctx);
+    return s;
+}
+
 TEST(SmoothRadiance, AConstantStaysConstant) {
     const Samples s = plane(20, 20, 2, [](float, float, float) { return 0.7f; });
     const Samples out = RunNode("smooth-radiance").in("samples", s).out<Samples>("samples");
@@ -210,7 +219,7 @@ TEST(SmoothRadiance, InBandsItIsAsInOne) {
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(4.0f, float(k) / float(Smoothing::widths - 1));
     by.window = by.width.back();
-    const SampleField s = sample_field(samples, radius, ctx);
+    const SampleField s = whole_field(samples, radius);
     ASSERT_GT(s.size, 3 * 65536u);
     const size_t blocks = s.blocks.size();
     Filtered filtered(s.size);
@@ -236,7 +245,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     by.slope = 1;
     by.velocity = 2;
     by.epsilon = 0.2f;
-    const SampleField s = sample_field(samples, 0.8f, ctx);
+    const SampleField s = whole_field(samples, 0.8f);
     by.window = 2.5f;
     const size_t n = s.size;
     // Distance on one surface; -1 where two samples are of different ones.
