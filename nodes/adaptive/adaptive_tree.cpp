@@ -10,6 +10,7 @@ namespace weft::adaptive {
 namespace {
 
 constexpr size_t least_round = 256;  // leaves
+constexpr size_t most_samples = 66;  // a leaf ever has: capacity is 64 at most
 constexpr size_t most_in_small = 8;  // samples of a leaf that is too small to be cut
 
 // Of a place in the tree: which candidate, which axis.
@@ -234,10 +235,13 @@ bool Tree::cut(size_t l) {
     const auto side = [&](size_t d) { return leaves_[l].hi[d] - leaves_[l].lo[d]; };
     std::sort(axes.begin(), axes.end(),
               [&](size_t a, size_t b) { return side(a) != side(b) ? side(a) > side(b) : a > b; });
+    const size_t n = leaves_[l].samples.size();
+    std::array<std::uint32_t, most_samples> memory;
+    const std::span<std::uint32_t> sorted = std::span(memory).first(n);
     for (const size_t d : axes) {
         const float least = d < 2 ? 1.0f / 64 : settings_.extent[d] / 4096;
         if (side(d) < 2 * least) continue;
-        std::vector<std::uint32_t> sorted = leaves_[l].samples;
+        std::copy_n(leaves_[l].samples.begin(), n, sorted.begin());
         std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
             return at_[d][a] != at_[d][b] ? at_[d][a] < at_[d][b] : a < b;
         });
@@ -247,7 +251,8 @@ bool Tree::cut(size_t l) {
         if (!(plane > below) || plane - leaves_[l].lo[d] < least ||
             leaves_[l].hi[d] - plane < least)
             continue;
-        Leaf other = leaves_[l];
+        Leaf other;
+        other.lo = leaves_[l].lo, other.hi = leaves_[l].hi;
         leaves_[l].hi[d] = other.lo[d] = plane;
         leaves_[l].samples.assign(sorted.begin(), sorted.begin() + std::ptrdiff_t(left));
         other.samples.assign(sorted.begin() + std::ptrdiff_t(left), sorted.end());
@@ -262,10 +267,11 @@ bool Tree::cut(size_t l) {
 }
 
 void Tree::measure(Leaf& leaf) {
-    std::vector<float> rgb;
+    std::array<float, 3 * most_samples> rgb;
+    size_t n = 0;
     for (const std::uint32_t s : leaf.samples)
-        rgb.insert(rgb.end(), &rgb_[3 * size_t(s)], &rgb_[3 * size_t(s)] + 3);
-    leaf.error = leaf_error(rgb, volume(leaf), settings_.contrast);
+        for (size_t c = 0; c < 3; ++c) rgb[n++] = rgb_[3 * size_t(s) + c];
+    leaf.error = leaf_error(std::span(rgb).first(n), volume(leaf), settings_.contrast);
 }
 
 }  // namespace weft::adaptive
