@@ -2,6 +2,7 @@
 // v), a sample is seen at (X + (a u, v) C0) / w + (a u, v) C1, X and w linear in T, a the lens's
 // aspect (docs/formats.md): a straight line in either.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -66,6 +67,42 @@ class SamplePaths {
         x_y_coc = {moved[0] / moved[2], moved[1] / moved[2], coc_there};
         if (!centre) x_y_coc[0] += own[0] * coc_there, x_y_coc[1] += own[1] * coc_there;
         return true;
+    }
+
+    // work(tile) for all tiles within `window` px of where sample i may be seen: at any time (or
+    // its own), from anywhere on the lens (or its own place); tiles of `side` px, numbered row by
+    // row.
+    template <class Work>
+    void cross(size_t i, float window, bool over_time, bool over_lens, int side, int across,
+               int down, const Work& work) const {
+        const bool centre = over_lens;
+        const bool travels = over_time && moving();
+        std::array<float, 3> a, b;
+        if (!at(i, travels ? 0.0f : t(i), centre, a) && !at(i, t(i), centre, a)) return;
+        if (!at(i, travels ? 1.0f : t(i), centre, b) && !at(i, t(i), centre, b)) return;
+        const float aspect = std::max(lens_.aspect, 1.0f);
+        const float pad =
+            window + (centre ? aspect * std::max(std::abs(a[2]), std::abs(b[2])) : 0.0f);
+        if (a[1] > b[1]) std::swap(a, b);
+        if (!std::isfinite(a[0] + a[1] + b[0] + b[1] + pad)) return;
+        const auto tile_of = [side](float where, int count) {
+            return int(std::clamp(std::floor(where / float(side)), -1.0f, float(count)));
+        };
+        const int first = std::max(tile_of(a[1] - pad, down), 0),
+                  last = std::min(tile_of(b[1] + pad, down), down - 1);
+        const float rise = b[1] - a[1];
+        for (int j = first; j <= last; ++j) {
+            // The part of the path that comes near this row of tiles.
+            float from = 0, to = 1;
+            if (rise > 0) {
+                from = std::clamp((float(j * side) - pad - a[1]) / rise, 0.0f, 1.0f);
+                to = std::clamp((float((j + 1) * side) + pad - a[1]) / rise, 0.0f, 1.0f);
+            }
+            const float x0 = a[0] + (b[0] - a[0]) * from, x1 = a[0] + (b[0] - a[0]) * to;
+            const int left = std::max(tile_of(std::min(x0, x1) - pad, across), 0),
+                      right = std::min(tile_of(std::max(x0, x1) + pad, across), across - 1);
+            for (int k = left; k <= right; ++k) work(size_t(j) * size_t(across) + size_t(k));
+        }
     }
 
   private:

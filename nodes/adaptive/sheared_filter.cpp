@@ -73,10 +73,14 @@ struct ShearedFilterNode {
                             "light's visibility there is sheared-visibility",
                             samples.domain));
         ShearedSettings with{across, along, cap, wide, gain, fallback == Fallback::pixel_mean};
-        const ShearedFilter filter(samples, slopes, with);
-        if ((filter.slopes().motion() && !samples.has_motion()) &&
-            (filter.slopes().lens() && !samples.has_lens()))
-            ctx.warn("the samples have neither motion nor a lens; the picture is the box filter's");
+        const ShearedFilter filter(samples, &slopes, with);
+        const SlopeReader slopes_held(slopes, "sheared-filter");
+        const bool moves = slopes_held.motion() && samples.has_motion(),
+                   blurs = slopes_held.lens() && samples.has_lens();
+        if (!moves && !blurs)
+            ctx.warn(
+                "neither motion nor a lens is in both samples and slopes; the picture is the box "
+                "filter's");
         Image image(samples.width, samples.height, 3), effective(samples.width, samples.height, 1);
         image.color_space = samples.color_space;
         effective.color_space = "Raw";

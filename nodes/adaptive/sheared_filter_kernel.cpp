@@ -7,58 +7,6 @@
 
 namespace weft::adaptive {
 
-// Of a pixel: its box, the way that samples are slid, and how far.
-struct ShearedFilter::Filter {
-    float x = 0, y = 0, half_x = 0.5f, half_y = 0.5f;
-    float vx = 0, vy = 0, sigma_t = INFINITY, reach_t = 1;
-    float coc_x = 0, coc_y = 0, sigma_lens = INFINITY, reach_lens = 2;
-    bool moves = false, blurs = false;
-};
-
-struct ShearedFilter::Sums {
-    double weight = 0, squares = 0;
-    double rgb[3] = {0, 0, 0};
-    double px = 0, py = 0, pxx = 0, pxy = 0, pyy = 0;  // where they are from the filter's middle
-    double rgb_x[3] = {0, 0, 0}, rgb_y[3] = {0, 0, 0};
-    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    std::uint32_t pixel = 0;
-
-    void add(double w, const float* color, double x, double y) {
-        weight += w, squares += w * w;
-        px += w * x, py += w * y;
-        pxx += w * x * x, pxy += w * x * y, pyy += w * y * y;
-        for (int c = 0; c < 3; ++c) {
-            const double v = w * double(color[c]);
-            rgb[c] += v, rgb_x[c] += v * x, rgb_y[c] += v * y;
-            low[c] = std::min(low[c], color[c]), high[c] = std::max(high[c], color[c]);
-        }
-    }
-    Pixel mean() const {
-        Pixel out;
-        if (!(weight > 0)) return out;
-        for (int c = 0; c < 3; ++c) out.rgb[c] = rgb[c] / weight;
-        out.effective = float(weight * weight / squares);
-        return out;
-    }
-    // The mean that they would have around the filter's middle.
-    Pixel fitted() const {
-        Pixel out = mean();
-        if (!(out.effective >= least_to_fit)) return out;
-        const double x = px / weight, y = py / weight;
-        const double xx = pxx / weight - x * x, xy = pxy / weight - x * y,
-                     yy = pyy / weight - y * y, det = xx * yy - xy * xy;
-        if (!(det > 1e-6 * xx * yy)) return out;
-        for (int c = 0; c < 3; ++c) {
-            const double fx = rgb_x[c] / weight - x * out.rgb[c],
-                         fy = rgb_y[c] / weight - y * out.rgb[c];
-            const double slope_x = (yy * fx - xy * fy) / det, slope_y = (xx * fy - xy * fx) / det;
-            out.rgb[c] =
-                std::clamp(out.rgb[c] - slope_x * x - slope_y * y, double(low[c]), double(high[c]));
-        }
-        return out;
-    }
-};
-
 namespace {
 
 constexpr float narrowest_move = 1e-3f;  // px: less is none
@@ -71,15 +19,15 @@ bool finite(const float* color) {
 
 }  // namespace
 
-ShearedFilter::ShearedFilter(const Samples& samples, const Image& slopes,
+ShearedFilter::ShearedFilter(const Samples& samples, const Image* slopes,
                              const ShearedSettings& settings)
     : samples_(samples),
       paths_(samples),
-      slopes_(slopes, "sheared-filter"),
       settings_(settings),
       shutter_(shutter_of(samples.meta)),
       rgb_(samples.rgb()),
       weight_(samples.values("weight")) {
+    if (slopes) slopes_.emplace(*slopes, "sheared-filter");
     for (size_t pixel = 0; pixel < samples.pixels(); ++pixel) {
         const float px = float(pixel % size_t(samples.width)),
                     py = float(pixel / size_t(samples.width));
@@ -102,6 +50,7 @@ ShearedFilter::Filter ShearedFilter::filter_of(const PixelSlopes& s, int x, int 
     constexpr double longest = 64;  // px a cycle: beyond that lower resolution would do
     Filter out;
     out.x = float(x) + 0.5f, out.y = float(y) + 0.5f;
+    out.pixel = std::uint32_t(y) * std::uint32_t(samples_.width) + std::uint32_t(x);
     const auto widened = [&](double band) {
         const double period = std::min(1 / band, longest), pixel = 1 / pixel_band;
         const double sigma =
@@ -150,7 +99,7 @@ float ShearedFilter::lens_weight(const Filter& f, float dx, float dy, float u, f
            share_on_disc(x, y);
 }
 
-float ShearedFilter::weight(const Filter& f, size_t i, std::uint32_t pixel) const {
+float ShearedFilter::weight(const Filter& f, size_t i) const {
     const float dx = paths_.x(i) - f.x, dy = paths_.y(i) - f.y;
     const Lens& lens = paths_.lens();
     if (!f.blurs) return time_weight(f, dx, dy, paths_.t(i));
@@ -160,7 +109,7 @@ float ShearedFilter::weight(const Filter& f, size_t i, std::uint32_t pixel) cons
 
     // Lens and shutter together have no closed form: one of them is looked at in points, which
     // are shifted from pixel to pixel and sample to sample, so that they leave noise, not rings.
-    std::uint64_t key = mix(std::uint64_t(pixel) << 32 | std::uint64_t(i));
+    std::uint64_t key = mix(std::uint64_t(f.pixel) << 32 | std::uint64_t(i));
     const auto falls = [](float way, float sigma) {
         return sigma < INFINITY ? std::exp(-way * way / (2 * sigma * sigma)) : 1.0f;
     };
@@ -189,46 +138,6 @@ float ShearedFilter::weight(const Filter& f, size_t i, std::uint32_t pixel) cons
     return sum / float(times);
 }
 
-// All samples that may be slid into the pixel: along a thick line through it.
-void ShearedFilter::gather(const Filter& f, Sums& sums) const {
-    const float way_x = f.moves ? f.vx * f.reach_t : 0, way_y = f.moves ? f.vy * f.reach_t : 0;
-    const float pad_x = f.half_x + overhang_ + std::abs(f.coc_x) * f.reach_lens,
-                pad_y = f.half_y + overhang_ + std::abs(f.coc_y) * f.reach_lens;
-    const float rise = std::abs(way_y), run = way_y < 0 ? -way_x : way_x;
-    const auto at_most = [](float value, int most) {
-        return int(std::clamp(std::floor(value), -1.0f, float(most)));
-    };
-    const int first = std::max(at_most(f.y - rise - pad_y, samples_.height), 0),
-              last = std::min(at_most(f.y + rise + pad_y, samples_.height), samples_.height - 1);
-    for (int j = first; j <= last; ++j) {
-        // The part of the line, in [-1, 1], that comes near this row.
-        float from = -1, to = 1;
-        if (rise > 0) {
-            from = std::clamp((float(j) - pad_y - f.y) / rise, -1.0f, 1.0f);
-            to = std::clamp((float(j + 1) + pad_y - f.y) / rise, -1.0f, 1.0f);
-        }
-        const float a = f.x + run * from, b = f.x + run * to;
-        const int left = std::max(at_most(std::min(a, b) - pad_x, samples_.width), 0),
-                  right =
-                      std::min(at_most(std::max(a, b) + pad_x, samples_.width), samples_.width - 1);
-        for (int k = left; k <= right; ++k) {
-            const auto range = samples_.of_pixel(size_t(j) * size_t(samples_.width) + size_t(k));
-            // Where samples lie denser, each stands for less.
-            const double each = range.end > range.begin ? 1 / double(range.end - range.begin) : 0;
-            for (size_t i = range.begin; i < range.end; ++i) {
-                const float w = weight(f, i, sums.pixel);
-                if (!(w > 0) || !finite(&rgb_[3 * i])) continue;
-                // Where its path is at the shutter's mean time, from the lens's centre.
-                const auto on = paths_.uv(i);
-                const double way = mean_time_ - double(paths_.t(i));
-                sums.add(double(w) * (weight_.empty() ? each : double(weight_[i])), &rgb_[3 * i],
-                         double(paths_.x(i) - f.x - f.coc_y * on[0]) + double(f.vx) * way,
-                         double(paths_.y(i) - f.y - f.coc_y * on[1]) + double(f.vy) * way);
-            }
-        }
-    }
-}
-
 ShearedFilter::Pixel ShearedFilter::own_mean(int x, int y) const {
     Sums sums;
     const auto range = samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x));
@@ -241,7 +150,7 @@ ShearedFilter::Pixel ShearedFilter::own_mean(int x, int y) const {
 }
 
 ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
-    const PixelSlopes s = slopes_(x, y);
+    const PixelSlopes s = (*slopes_)(x, y);
     const auto too_wide = [&](double lo, double hi) {
         return lo <= 0 && hi >= 0 && hi - lo > double(settings_.wide);
     };
@@ -252,8 +161,10 @@ ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
     Filter f = filter_of(s, x, y);
     for (int tries = 0; tries < 4; ++tries) {
         Sums sums;
-        sums.pixel = std::uint32_t(y) * std::uint32_t(samples_.width) + std::uint32_t(x);
-        gather(f, sums);
+        gather(f, [&](size_t i, double w) {
+            const auto from = from_middle(f, i);
+            sums.add(w, &rgb_[3 * i], from[0], from[1]);
+        });
         const Pixel found = sums.fitted();
         if (found.effective > 0) {
             const bool fewer = found.effective < settings_.gain * own.effective;

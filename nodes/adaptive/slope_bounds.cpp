@@ -109,7 +109,8 @@ struct SlopeBounds {
                 for (size_t i = begin; i < end; ++i) {
                     const auto v = paths.velocity(i);
                     if (!std::isfinite(v[0] + v[1])) continue;
-                    visit(paths, i, across, down, [&](size_t at) { work(i, v, tiles[at]); });
+                    paths.cross(i, window, effect != Effect::lens, effect != Effect::motion, tile,
+                                across, down, [&](size_t at) { work(i, v, tiles[at]); });
                 }
             });
         };
@@ -164,43 +165,6 @@ struct SlopeBounds {
         const auto v = paths.velocity(size_t(~std::uint32_t(key)));
         const float speed = std::hypot(v[0], v[1]);
         return {v[0] / speed, v[1] / speed};
-    }
-
-    // All tiles within `window` of where sample i may be seen.
-    template <class Work>
-    void visit(const SamplePaths& paths, size_t i, int across, int down, const Work& work) const {
-        const bool centre = effect != Effect::motion;
-        const bool travels = effect != Effect::lens && paths.moving();
-        std::array<float, 3> a, b;
-        if (!paths.at(i, travels ? 0.0f : paths.t(i), centre, a) &&
-            !paths.at(i, paths.t(i), centre, a))
-            return;
-        if (!paths.at(i, travels ? 1.0f : paths.t(i), centre, b) &&
-            !paths.at(i, paths.t(i), centre, b))
-            return;
-        const float aspect = std::max(paths.lens().aspect, 1.0f);
-        const float pad =
-            window + (centre ? aspect * std::max(std::abs(a[2]), std::abs(b[2])) : 0.0f);
-        if (a[1] > b[1]) std::swap(a, b);
-        if (!std::isfinite(a[0] + a[1] + b[0] + b[1] + pad)) return;
-        const auto tile_of = [](float at, int count) {
-            return int(std::clamp(std::floor(at / tile), -1.0f, float(count)));
-        };
-        const int first = std::max(tile_of(a[1] - pad, down), 0),
-                  last = std::min(tile_of(b[1] + pad, down), down - 1);
-        const float rise = b[1] - a[1];
-        for (int j = first; j <= last; ++j) {
-            // The part of the path that comes near this row of tiles.
-            float from = 0, to = 1;
-            if (rise > 0) {
-                from = std::clamp((float(j * tile) - pad - a[1]) / rise, 0.0f, 1.0f);
-                to = std::clamp((float((j + 1) * tile) + pad - a[1]) / rise, 0.0f, 1.0f);
-            }
-            const float x0 = a[0] + (b[0] - a[0]) * from, x1 = a[0] + (b[0] - a[0]) * to;
-            const int left = std::max(tile_of(std::min(x0, x1) - pad, across), 0),
-                      right = std::min(tile_of(std::max(x0, x1) + pad, across), across - 1);
-            for (int k = left; k <= right; ++k) work(size_t(j) * size_t(across) + size_t(k));
-        }
     }
 };
 

@@ -291,6 +291,59 @@ TEST(TrajectorySplat, gives_each_pixel_the_time_spent_in_it) {
     EXPECT_GE(lit, 18);
 }
 
+Image layered(const Samples& samples, double gain = 2) {
+    return RunNode("slope-layers").in("samples", samples).set("gain", gain).out<Image>("image");
+}
+
+// A plane that moves over one that stands still: where one filter for both must be narrow.
+TEST(SlopeLayers, of_two_planes_follow_both) {
+    for (const double v : {12., 24.}) {
+        double filtered = 0, one = 0, plain = 0;
+        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+            const double edge = 20;
+            const Samples samples = samples_of_scene(
+                {72, 24, 4, seed}, [&](double x, double, double t, double, double) {
+                    return x < edge + v * t ? SeenPoint{1, 1, v, 0} : SeenPoint{0, 2, 0, 0};
+                });
+            const auto exact = [&](int x, int) { return edge_pixel(x, edge, v); };
+            filtered += std::pow(rmse_of(layered(samples, 1), exact, 8), 2) / 3;
+            one += std::pow(rmse_of(sheared(samples), exact, 8), 2) / 3;
+            plain += std::pow(rmse_of(box(samples), exact, 8), 2) / 3;
+            const Image out = layered(samples, 1);
+            for (int y = 0; y < 24; ++y)
+                for (int x = 0; x < 72; ++x) {
+                    if (x + 1 < edge - 2) {
+                        ASSERT_NEAR(*out.at(x, y), 1, 1e-6) << x;
+                    }
+                    if (x > edge + v + 2) {
+                        ASSERT_NEAR(*out.at(x, y), 0, 1e-6) << x;
+                    }
+                }
+        }
+        EXPECT_LT(filtered, .6 * plain) << v;
+        EXPECT_LT(filtered, one) << v;
+    }
+}
+
+TEST(SlopeLayers, keep_a_constant_to_the_bit_and_a_texture_as_one_layer_does) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 6; ++i) {
+        BufferShape shape{24, 24, 1 + i % 4, std::uint64_t(i)};
+        if (i % 2) shape.c1 = float(4 * unit(random));
+        const double vx = 10 * unit(random), vy = 10 * unit(random), value = std::abs(unit(random));
+        const Samples samples =
+            samples_of_scene(shape, [&](double x, double, double, double, double) {
+                return x < 12 ? SeenPoint{value, 1, vx, vy} : SeenPoint{value, INFINITY, 0, 0};
+            });
+        const Image out = layered(samples);
+        for (const float kept : out.pixels()) ASSERT_EQ(kept, float(value));
+    }
+    const Samples samples = samples_of_scene({96, 8, 4, 3}, grating(8, 6));
+    const auto exact = [](int x, int) { return grating_pixel(x, 8, 6); };
+    EXPECT_LT(rmse_of(layered(samples), exact, 25), .035);
+}
+
 TEST(ShearedFilter, works_without_motion_and_lens_and_says_what_does_not_fit) {
     Samples still = samples_of_scene({8, 8, 4, 1, 0, 0, false}, grating(8, 0));
     const Image out = sheared(still), plain = box(still);
