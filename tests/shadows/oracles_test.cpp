@@ -110,6 +110,22 @@ TEST(ShadowOracle, MovingEdge) {
     EXPECT_LT(std::abs(e.bias), most_bias);
 }
 
+// A pixel as wide as a whole unit: the mean over film, light and shutter together.
+TEST(ShadowOracle, MeanOverAPixelUnderAMovingEdge) {
+    ShadowSetup s;
+    s.timed = true;
+    s.occluder =
+        flat_occluder(6, [](double x, double, double t) { return x < -.5 + t; }, {1, 0, 0});
+    const ShadowTest test(s);
+    for (const double left : {-1.0, -0.4, 0.1}) {
+        double exact = 0, mean = 0;
+        constexpr int steps = 100000, places = 32;
+        for (int i = 0; i < steps; ++i) exact += past_moving_edge(left + (i + 0.5) / steps) / steps;
+        for (int i = 0; i < places; ++i) mean += test.share(left + (i + 0.5) / places) / places;
+        EXPECT_NEAR(mean, exact, most_bias) << left;
+    }
+}
+
 TEST(ShadowOracle, TiltedReceiversNeverShadowThemselves) {
     for (const double degrees : {0.0, 30.0, 60.0, 75.0})
         for (const int spp : {1, 4, 16})
