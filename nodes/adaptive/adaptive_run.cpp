@@ -158,4 +158,13 @@ LeafTree AdaptiveRun::leaves(std::span<const std::uint32_t> place) const {
     return leaves;
 }
 
+void sample_adaptively(const SamplerFunction& sampler, const AdaptiveSettings& settings,
+                       Outputs& out, Context& ctx) {
+    AdaptiveRun run(sampler, settings);
+    run.sample(ctx);
+    run.judge(ctx);
+    run.look_for_hidden_noise(ctx);
+    run.hand_out(out);
+}
+
 }  // namespace weft::adaptive

@@ -90,4 +90,8 @@ class AdaptiveRun {
     bool done_ = false;
 };
 
+// From the first point to `samples` and `leaves`, with all warnings.
+void sample_adaptively(const SamplerFunction& sampler, const AdaptiveSettings& settings,
+                       Outputs& out, Context& ctx);
+
 }  // namespace weft::adaptive

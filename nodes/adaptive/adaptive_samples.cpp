@@ -23,11 +23,7 @@ struct AdaptiveSamples : AdaptiveSettings {
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
-        AdaptiveRun run(in.get<SamplerFunction>("sampler"), *this);
-        run.sample(ctx);
-        run.judge(ctx);
-        run.look_for_hidden_noise(ctx);
-        run.hand_out(out);
+        sample_adaptively(in.get<SamplerFunction>("sampler"), *this, out, ctx);
     }
 };
 
