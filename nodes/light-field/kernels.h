@@ -28,7 +28,6 @@ struct Block {
     std::vector<std::uint32_t> seen;  // groups at hand for one slice
     std::vector<float> x, y;
     std::vector<std::uint32_t> cell, sample, traits;
-    std::vector<std::uint32_t> rank;
 
     bool covers(const Hierarchy& h, int bx0, int by0, int bx1, int by1, float needed) const {
         return hierarchy == &h && x0 == bx0 && y0 == by0 && x1 == bx1 && y1 == by1 && reach >= needed;

@@ -10,8 +10,8 @@ namespace weft::light_field::WEFT_ISA {
 namespace {
 
 // The groups whose bounds at (u, v, t) touch the grid.
-size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, float x0, float x1, float y0,
-                   float y1) {
+size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, float x0, float x1,
+                   float y0, float y1) {
     const GroupTest test(h, u, v, d, x0, x1, y0, y1);
     size_t found = 0;
     for (size_t i = 0; i < block.groups; i += lanes) {
@@ -126,12 +126,15 @@ struct Projector {
     }
 };
 
-void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, float v, float d, Projection& out) {
+void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, float v, float d,
+                    Projection& out) {
     Projector to(h, block, u, v, d, out);
     for (size_t k = 0; k < groups; ++k) {
         const std::uint32_t g = block.seen[k];
-        if (h.groups.moves[g]) to.group<true>(size_t(g) * Hierarchy::group_size);
-        else to.group<false>(size_t(g) * Hierarchy::group_size);
+        if (h.groups.moves[g])
+            to.group<true>(size_t(g) * Hierarchy::group_size);
+        else
+            to.group<false>(size_t(g) * Hierarchy::group_size);
     }
     out.samples = to.n;
     out.spread = to.n == 0 ? 0 : to.spread.between();
@@ -145,9 +148,9 @@ void put_entries(const Hierarchy& h, const Block& block, size_t n, Projection& o
     const Quad q;
     const Two two;
     const float *x = block.x.data(), *y = block.y.data(), *from = h.rgba.data();
-    const std::uint32_t *cell = block.cell.data(), *rank = block.rank.data(),
-                        *sample = block.sample.data(), *traits = block.traits.data(),
-                        *start = out.start.data();
+    const std::uint32_t *cell = block.cell.data(), *sample = block.sample.data(),
+                        *traits = block.traits.data();
+    std::uint32_t* next = out.start.data() + 1;
     float *to = &out.entries[0].x, *rgba = out.rgba.data();
     for (size_t i = 0; i < n; i += 4) {
         // Four values of each of four samples, transposed.
@@ -162,7 +165,7 @@ void put_entries(const Hierarchy& h, const Block& block, size_t n, Projection& o
         const auto low_rest = pair(hn::InterleaveLower(q, samples, bytes)),
                    high_rest = pair(hn::InterleaveUpper(q, samples, bytes));
         const auto put = [&](size_t k, auto entry) HWY_ATTR {
-            const size_t at = 4 * size_t(start[cell[i + k]] + rank[i + k]);
+            const size_t at = 4 * size_t(next[cell[i + k]]++);
             hn::StoreU(hn::BitCast(q, entry), q, to + at);
             if constexpr (colored)
                 hn::StoreU(hn::LoadU(q, from + 4 * size_t(sample[i + k])), q, rgba + at);
@@ -177,41 +180,44 @@ void put_entries(const Hierarchy& h, const Block& block, size_t n, Projection& o
 // Puts what project_groups left in order of cells.
 void sort_into_cells(const Hierarchy& h, Block& block, Projection& out) {
     const size_t n = out.samples, pitch = size_t(out.columns) + 1, cells = pitch * size_t(out.rows);
-    out.start.assign(cells + 1, 0);
-    std::uint32_t* count = out.start.data();
-    for (size_t i = 0; i < n; ++i) block.rank[i] = count[block.cell[i]]++;
+    // Each cell's start is kept one place late: there it moves on as samples are put, and ends as
+    // the start of the next.
+    out.start.assign(cells + 2, 0);
+    std::uint32_t* late = out.start.data() + 1;
+    for (size_t i = 0; i < n; ++i) ++late[block.cell[i]];
     std::uint32_t sum = 0;
     for (size_t row = 0; row < size_t(out.rows); ++row) {
-        std::uint32_t* of = count + row * pitch;
+        std::uint32_t* of = late + row * pitch;
         for (size_t column = 0; column + 1 < pitch; ++column) {
             const std::uint32_t here = of[column];
             of[column] = sum;
             sum += here;
         }
-        of[pitch - 1] = sum;
         sum += Projection::padding;
+        of[pitch - 1] = sum;
     }
-    count[cells] = sum;
+    late[cells] = sum;
     const size_t need = sum + lanes;
     if (out.entries.size() < need) out.entries.resize(need + need / 4);
     if (out.colored && out.rgba.size() < 4 * need) out.rgba.resize(5 * need);
     // Samples are put by fours: the last go with some that land past the end.
     for (size_t i = n; i < n + 3; ++i) {
         block.cell[i] = std::uint32_t(cells);
-        block.rank[i] = block.sample[i] = 0;
+        block.sample[i] = 0;
     }
     if (out.colored)
         put_entries<true>(h, block, n, out);
     else
         put_entries<false>(h, block, n, out);
     for (size_t row = 0; row < size_t(out.rows); ++row)
-        std::fill_n(&out.entries[count[row * pitch + pitch - 1]], Projection::padding,
+        std::fill_n(&out.entries[out.start[row * pitch + pitch - 1]], Projection::padding,
                     Projection::Entry{1e30f, 1e30f, 0, 0});
 }
 
 }  // namespace
 
-void project(const Hierarchy& h, Block& block, float u, float v, float t, bool colors, Projection& out) {
+void project(const Hierarchy& h, Block& block, float u, float v, float t, bool colors,
+             Projection& out) {
     out.hierarchy = &h;
     out.colored = colors;
     out.u = u;
@@ -229,15 +235,15 @@ void project(const Hierarchy& h, Block& block, float u, float v, float t, bool c
     out.slope_step = block.slope_step;
     out.velocity_step = block.velocity_step;
     const float d = t - 0.5f;
-    const size_t groups =
-        find_groups(h, block, u, v, d, float(out.column0) * out.cell_width,
-                    float(out.column0 + out.columns) * out.cell_width, float(out.row0) * out.cell_height,
-                    float(out.row0 + out.rows) * out.cell_height);
+    const size_t groups = find_groups(h, block, u, v, d, float(out.column0) * out.cell_width,
+                                      float(out.column0 + out.columns) * out.cell_width,
+                                      float(out.row0) * out.cell_height,
+                                      float(out.row0 + out.rows) * out.cell_height);
     const size_t most = groups * Hierarchy::group_size + lanes;
     if (block.x.size() < most) {
         block.x.resize(most);
         block.y.resize(most);
-        for (auto* values : {&block.cell, &block.sample, &block.traits, &block.rank}) values->resize(most);
+        for (auto* values : {&block.cell, &block.sample, &block.traits}) values->resize(most);
     }
     project_groups(h, block, groups, u, v, d, out);
     sort_into_cells(h, block, out);
