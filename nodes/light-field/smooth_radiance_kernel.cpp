@@ -265,7 +265,8 @@ void treat(const SampleField& s, const Filtered& filtered, const Changes& change
         Color treated = own;
         for (size_t k = 1; k < widths; ++k)
             treated = chosen(is(k), color_at(changes[k], at), treated);
-        if (!hn::AllFalse(f, is(widths))) {
+        // (Lanes past the block's end say nothing.)
+        if (!hn::AllFalse(f, hn::And(hn::FirstN(f, n), is(widths)))) {
             // Within what its neighbours are, or else one bright sample leaves dark ones around it
             // and grows itself.
             const auto look = [&](std::array<Range, 3>& of, size_t i, VF d2,
