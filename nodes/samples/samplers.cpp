@@ -214,4 +214,13 @@ Disk concentric_disk(float a, float b) {
     return wide ? Disk{radius * c, radius * s} : Disk{radius * s, radius * c};
 }
 
+Disk concentric_square(float u, float v) {
+    const float r = std::min(std::hypot(u, v), 1.0f);
+    if (r == 0) return {0.5f, 0.5f};
+    const bool wide = std::fabs(u) > std::fabs(v);
+    const float across = std::copysign(r, wide ? u : v);
+    const float along = across * std::atan(wide ? v / u : u / v) / 0.78539816f;
+    return wide ? Disk{(across + 1) / 2, (along + 1) / 2} : Disk{(along + 1) / 2, (across + 1) / 2};
+}
+
 }  // namespace weft

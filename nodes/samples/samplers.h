@@ -53,5 +53,7 @@ SampleSequence sample_sequence(Sampler sampler, std::uint64_t seed, int x, int y
 
 // The unit square to the unit disk, areas kept (Shirley and Chiu 1997).
 Disk concentric_disk(float a, float b);
+// Back to the square; what is outside goes to its border.
+Disk concentric_square(float u, float v);
 
 }  // namespace weft

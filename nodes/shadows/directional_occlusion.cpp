@@ -5,8 +5,7 @@
 // rays of pixels around are compared, so nothing is rotated.
 //   along  a Gaussian of the change of direction, deviation s_x / (zbar^2 (1/z_min - 1/z_max) / 2),
 //          s_x = 0.5 max(p, z_min theta): p a pixel's width, theta = 1 rad that of the cosine
-//   near   what is nearer than 4 p / theta changes over few pixels: such hits are counted apart,
-//   over
+//   near   what is nearer than 4 p / theta changes over few pixels: such hits are counted apart, over
 //          5 x 5 pixels and not slid; z_min is no less than that
 //   parts  the directions are cut in 4 x 4 of equal cosine, each with a mean of its own
 // Source: Egan et al. 2011 (directional occlusion), Sec. 4 and 5.  Departure: sliding is counted in
@@ -312,26 +311,11 @@ struct DirectionalOcclusion {
 
     // Parts hold as much of the cosine each: the disc below the directions, mapped to a square.
     static size_t part_of(Vec3 local) {
-        const auto square = square_of(local.x, local.y);
+        const Disk square = concentric_square(local.x, local.y);
         const auto cell = [](float a) {
             return size_t(std::clamp(a * float(parts), 0.0f, float(parts) - 1));
         };
-        return cell(square[1]) * parts + cell(square[0]);
-    }
-    // The inverse of concentric_disk().
-    static std::array<float, 2> square_of(float x, float y) {
-        const float r = std::min(std::hypot(x, y), 1.0f);
-        if (r == 0) return {0.5f, 0.5f};
-        constexpr float quarter = std::numbers::pi_v<float> / 4;
-        float a, b;
-        if (std::abs(x) > std::abs(y)) {
-            a = x > 0 ? r : -r;
-            b = a * std::atan(y / x) / quarter;
-        } else {
-            b = y > 0 ? r : -r;
-            a = b * std::atan(x / y) / quarter;
-        }
-        return {(a + 1) / 2, (b + 1) / 2};
+        return cell(square.v) * parts + cell(square.u);
     }
 
     void write(const std::array<Part, parts * parts>& sums, const Part& near, bool shared,

@@ -157,6 +157,17 @@ TEST(Samplers, shuffled_is_one_to_one) {
         }
 }
 
+TEST(Samplers, the_disk_map_leads_back) {
+    for (int i = 0; i <= 40; ++i)
+        for (int j = 0; j <= 40; ++j) {
+            const float a = float(i) / 40, b = float(j) / 40;
+            const Disk at = concentric_disk(a, b), back = concentric_square(at.u, at.v);
+            EXPECT_NEAR(back.u, a, 2e-5f) << a << ' ' << b;
+            EXPECT_NEAR(back.v, b, 2e-5f) << a << ' ' << b;
+        }
+    EXPECT_EQ(concentric_square(3, 0).u, 1);
+}
+
 TEST(Samplers, the_disk_map_keeps_areas) {
     constexpr int n = 400;
     std::array<int, 4> quadrant{};
