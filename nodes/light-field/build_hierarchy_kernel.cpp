@@ -20,10 +20,6 @@ Recentred recentred(const Places& places, const Lens& lens, size_t i) {
     return r;
 }
 
-Recentred recentred(const Samples& samples, size_t i) {
-    return recentred(places_of(samples), samples.lens.value_or(Lens{}), i);
-}
-
 Places places_of(const Samples& samples) {
     const auto start = [](std::span<const float> values) {
         return values.empty() ? nullptr : values.data();

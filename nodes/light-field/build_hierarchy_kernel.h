@@ -1,7 +1,7 @@
 // Building a Hierarchy: samples are carried to lens centre and half time, sorted, put in place and
 // bounded. Source: Lehtinen et al. 2011, Sec. 3.2 and Appendix A (see hierarchy.h). Cost: linear in
-// samples.  Memory: 64 bytes a sample where things move, all of them the result's; 12 while keys are sorted. Threads:
-// through the context.
+// samples.  Memory: 64 bytes a sample where things move, 36 where not, all of them the result's; 12
+// while keys are sorted. Threads: through the context.
 #pragma once
 #include <span>
 
@@ -19,12 +19,6 @@ inline constexpr float far_depth = 0x1p+40f;
 // to 256 samples a pixel.
 float dispersion_radius(double samples_per_pixel);
 
-struct Recentred {
-    float X, Y, W, VX, VY, VW;
-};
-// Of sample i of a buffer with xy and z. A sample at infinity becomes a point far_depth away.
-Recentred recentred(const Samples& samples, size_t i);
-
 // The channels that say where samples are; null where a buffer has none, t and motion together.
 struct Places {
     const float *xy = nullptr, *z = nullptr, *uv = nullptr, *t = nullptr, *motion = nullptr;
@@ -34,7 +28,12 @@ struct Places {
     }
 };
 Places places_of(const Samples& samples);
-// As above, for many samples: the channels are looked up once.
+
+// A sample at lens centre and half time.
+struct Recentred {
+    float X, Y, W, VX, VY, VW;
+};
+// One at infinity becomes a point far_depth away.
 Recentred recentred(const Places& places, const Lens& lens, size_t i);
 
 // The places of a few samples, fetched from where they lie to be side by side.

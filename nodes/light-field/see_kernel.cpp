@@ -5,6 +5,7 @@
 #include "light-field/grid_reach.h"
 #include "light-field/kernels.h"
 #include "light-field/layers.h"
+#include "light-field/path_vectors.h"
 #include "light-field/projected_entries.h"
 #include "light-field/simd.h"
 #include "light-field/surrounded.h"
@@ -192,40 +193,6 @@ class Seeing {
         return hn::GatherIndex(f, from.data(), samples);
     }
 
-    // Of samples here and there: the divisor of their positions, and how all three change.
-    struct Paths {
-        VF W, VX, VY, VW;
-    };
-    HWY_INLINE Paths paths(const std::uint32_t* list, size_t count) const {
-        // Every fourth sample, from the first to the fourth on; then transposed within blocks.
-        const auto part = [&](size_t k) HWY_ATTR {
-            const auto one = [&](size_t lane) HWY_ATTR {
-                return hn::LoadU(q, &h_.paths[4 * size_t(list[lane < count ? lane : 0])]);
-            };
-#if HWY_MAX_BYTES == 64
-            const hn::FixedTag<float, 8> o;
-            return hn::Combine(f, hn::Combine(o, one(k + 12), one(k + 8)),
-                               hn::Combine(o, one(k + 4), one(k)));
-#elif HWY_MAX_BYTES == 32
-            return hn::Combine(f, one(k + 4), one(k));
-#else
-            return one(k);
-#endif
-        };
-        const hn::Repartition<std::uint64_t, F> two;
-        const auto pair = [two](VF v) HWY_ATTR { return hn::BitCast(two, v); };
-        const VF a = part(0), b = part(1), c = part(2), d = part(3);
-        const auto low_ab = pair(hn::InterleaveLower(f, a, b)),
-                   low_cd = pair(hn::InterleaveLower(f, c, d)),
-                   high_ab = pair(hn::InterleaveUpper(f, a, b)),
-                   high_cd = pair(hn::InterleaveUpper(f, c, d));
-        const auto whole = [](auto v) HWY_ATTR { return hn::BitCast(f, v); };
-        return {whole(hn::InterleaveLower(two, low_ab, low_cd)),
-                whole(hn::InterleaveUpper(two, low_ab, low_cd)),
-                whole(hn::InterleaveLower(two, high_ab, high_cd)),
-                whole(hn::InterleaveUpper(two, high_ab, high_cd))};
-    }
-
     // Puts the candidates in order of depth, with what they do at the location.
     Layers layers(size_t l, std::uint32_t spread) {
         const float u = p_.u, v = p_.v, box = set_.test.box;
@@ -238,7 +205,7 @@ class Seeing {
         for (size_t i = 0; i < n_; i += lanes) {
             VF depth;
             if (h_.moving) {
-                const Paths path = paths(&c_.found[i], n_ - i);
+                const PathVectors path(h_.paths.data(), &c_.found[i], n_ - i);
                 depth = hn::MulAdd(time, path.VW, path.W);
                 if (moving) {
                     const VF inverse = hn::Div(way, depth);
@@ -280,8 +247,7 @@ class Seeing {
             if (!colored) filter(l, c_.found_x.data(), c_.found_y.data(), c_.found.data(), n_);
             return;
         }
-        const bool few = n_ <= 2 * lanes;
-        if (few)
+        if (n_ <= 2 * lanes)
             return still(spread) ? settle_few<false>(l, colored) : settle_few<true>(l, colored);
         const size_t end = layers(l, spread).next(0);
         if (end == n_ && colored) return;
@@ -320,7 +286,7 @@ class Seeing {
             x[k] = hn::LoadU(f, &c_.found_x[i]);
             y[k] = hn::LoadU(f, &c_.found_y[i]);
             if (h_.moving) {
-                const Paths path = paths(&c_.found[i], n_ - i);
+                const PathVectors path(h_.paths.data(), &c_.found[i], n_ - i);
                 depth[k] = hn::MulAdd(time, path.VW, path.W);
                 if constexpr (moving) {
                     const VF at_x = hn::Set(f, at_.x[l] - h_.lens.c1 * u * h_.lens.aspect),
