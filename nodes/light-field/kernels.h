@@ -78,7 +78,9 @@ struct FilterScratch {
     std::vector<std::uint32_t> sample;
 };
 
-// What see-visible does (reproject, same-surface-cluster, coverage and filter-visible together).
+// What see-visible does (reproject, same-surface-cluster, coverage and filter-visible together); and, where
+// `nearest` is given, which sample each location sees: of the surface that it sees, the one that lands nearest (of
+// several surfaces, one by location_number()), 0xffffffff where that is undecided.
 struct SeeSettings {
     float radius = 1;        // px, of the search
     float cover_radius = 1;  // px: R, by which surfaces surround a location
@@ -123,7 +125,7 @@ struct SeeScratch {
     void filter(const Candidates& candidates, const Surfaces& surfaces, const Visibility& visibility,       \
                 const Tent& tent, FilterScratch& scratch, Colors& out);                                     \
     void see(const Projection& projection, const Locations& locations, const SeeSettings& settings,         \
-             SeeScratch& scratch, Colors& out);                                                             \
+             SeeScratch& scratch, Colors& out, std::uint32_t* nearest);                                                           \
     }
 WEFT_LIGHT_FIELD_KERNELS(v2)
 WEFT_LIGHT_FIELD_KERNELS(v3)

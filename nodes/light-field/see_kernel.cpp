@@ -5,6 +5,7 @@
 #include "light-field/grid_reach.h"
 #include "light-field/kernels.h"
 #include "light-field/layers.h"
+#include "light-field/location_number.h"
 #include "light-field/path_vectors.h"
 #include "light-field/projected_entries.h"
 #include "light-field/simd.h"
@@ -49,13 +50,14 @@ template <int power>
 class Seeing {
   public:
     Seeing(const Projection& p, const Locations& at, const SeeSettings& set, SeeScratch& scratch,
-           Colors& out)
+           Colors& out, std::uint32_t* nearest)
         : p_(p),
           h_(*p.hierarchy),
           at_(at),
           set_(set),
           c_(scratch),
           out_(out),
+          nearest_(nearest),
           weight_(set.tent.radius),
           limit_(hn::Set(f, set.radius * set.radius)),
           near_(hn::Set(f, set.cover_radius * set.cover_radius)),
@@ -76,9 +78,9 @@ class Seeing {
     // First look: most locations have one surface only.
     void look() {
         if (alike(p_.spread))
-            look_at_each<false>();
+            nearest_ ? look_at_each<false, true>() : look_at_each<false, false>();
         else
-            look_at_each<true>();
+            nearest_ ? look_at_each<true, true>() : look_at_each<true, false>();
         for (size_t i = 0; i < c_.open.size(); ++i) settle_front(c_.open[i], c_.colored[i]);
     }
 
@@ -89,8 +91,8 @@ class Seeing {
 
   private:
     // `each`: surfaces are asked about location by location; else no two samples of the projection
-    // can be told apart.
-    template <bool each>
+    // can be told apart. `nearest`: which sample is nearest is asked too.
+    template <bool each, bool nearest>
     void look_at_each() {
         constexpr size_t usual = Projection::padding;
         const size_t n = at_.size(), pitch = size_t(p_.columns) + 1;
@@ -118,11 +120,18 @@ class Seeing {
             if constexpr (each)
                 top = likeness.top(entries[row[rows / 2 * pitch + across / 2]].traits & 0xffffff);
             Sums sums;
+            VF least = limit;
+            VU found = hn::Set(un, none);
             const auto add = [&](size_t i) HWY_ATTR {
                 const EntryVectors entry(entries + i);
                 const VF d2 = squared(hn::Sub(x, entry.x()), hn::Sub(y, entry.y()));
                 if constexpr (each)
                     below = likeness.add(below, top, entry.traits(), hn::Lt(d2, limit));
+                if constexpr (nearest) {
+                    const auto nearer = hn::RebindMask(un, hn::Lt(d2, least));
+                    found = hn::IfThenElse(nearer, hn::Set(un, std::uint32_t(i)), found);
+                    least = hn::Min(least, d2);
+                }
                 sums.add(tent(d2), rgba + 4 * i);
             };
             // Most rows hold no more than is usual: what is beyond is left for the end.
@@ -135,6 +144,7 @@ class Seeing {
             }
             for (; longest > usual && row != last; row += pitch)
                 for (size_t i = row[0] + usual; i < row[across]; i += lanes) add(i);
+            if constexpr (nearest) nearest_[l] = nearest_of(least, found, entries);
             const bool colored = sums.mean(opaque, to) > 0;
             // No branch: it would be known late, and often be foreseen wrongly.
             opens[open] = std::uint32_t(l);
@@ -145,6 +155,22 @@ class Seeing {
         c_.open.resize(open);
         c_.colored.resize(open);
         out_.candidates += looked_at;
+    }
+
+    // The sample of the least distance, given how far it is in each lane and in which entries it
+    // was found there; of equal ones the first.
+    HWY_INLINE static std::uint32_t nearest_of(VF least, VU found,
+                                               const Projection::Entry* entries) {
+        alignas(64) std::uint32_t first[lanes];
+        hn::Store(found, un, first);
+        std::uint32_t entry = none;
+        for (unsigned bits = bits_of(f, hn::Eq(least, hn::MinOfLanes(f, least))); bits;
+             bits &= bits - 1) {
+            const size_t lane = size_t(__builtin_ctz(bits));
+            if (first[lane] == none) break;  // nothing is within the limit, here nor elsewhere
+            entry = std::min(entry, first[lane] + std::uint32_t(lane % 4 * (lanes / 4) + lane / 4));
+        }
+        return entry == none ? none : entries[entry].sample;
     }
 
     bool still(std::uint32_t spread) const {
@@ -379,18 +405,24 @@ class Seeing {
             return filter(l, c_.found_x.data(), c_.found_y.data(), c_.found.data(), n_);
         const Layers layer = layers(l, spread);
         float left = 1, sum[4] = {};
+        // Of several surfaces one is chosen, as often as its share says.
+        float until = nearest_ ? location_number(at_.x[l], at_.y[l], p_.u, p_.t) : 0;
+        std::uint32_t chosen = none;
         for (size_t first = 0, end = 0; left > 0; first = end) {
             end = layer.next(first);
             const bool last = end == n_;
             const float share = last ? left : left * part_covered(first, end);
             if (share > 0) {
                 filter(l, &c_.x[first], &c_.y[first], &c_.sample[first], end - first);
+                if (nearest_ && until >= 0) chosen = nearest_[l];
+                until -= share;
                 for (size_t k = 0; k < 4; ++k) sum[k] += share * out_.rgba[4 * l + k];
                 left -= share;
             }
             if (last) break;
         }
         std::copy_n(sum, 4, &out_.rgba[4 * l]);
+        if (nearest_) nearest_[l] = chosen;
     }
 
     // How much of the location candidates [first, end) cover, a surface.
@@ -435,6 +467,7 @@ class Seeing {
     // Writes the mean of n samples under the tent; where all weights vanish, the nearest's colour.
     void filter(size_t l, const float* x, const float* y, const std::uint32_t* sample, size_t n) {
         size_t seen = 0;
+        if (nearest_) nearest_[l] = sample[nearest(x, y, n)];
         for (size_t i = 0; i < n; i += lanes) {
             const VF weight = weight_(squared(hn::LoadU(f, x + i), hn::LoadU(f, y + i)));
             const Pack pack(hn::And(hn::FirstN(f, n - i), hn::Gt(weight, hn::Zero(f))));
@@ -454,14 +487,17 @@ class Seeing {
         std::fill_n(&out_.rgba[4 * l], 4, 0.0f);
         out_.valid[l] = 0;
         c_.visibility.decision[l] = Decision::undecided;
+        if (nearest_) nearest_[l] = none;
     }
 
+    static constexpr std::uint32_t none = 0xffffffff;
     const Projection& p_;
     const Hierarchy& h_;
     const Locations& at_;
     const SeeSettings& set_;
     SeeScratch& c_;
     Colors& out_;
+    std::uint32_t* nearest_;
     const TentWeight<power> weight_;
     const VF limit_, near_;
     const float
@@ -472,8 +508,8 @@ class Seeing {
 
 template <int power>
 void see_all(const Projection& p, const Locations& at, const SeeSettings& set, SeeScratch& scratch,
-             Colors& out) {
-    Seeing<power> seeing(p, at, set, scratch, out);
+             Colors& out, std::uint32_t* nearest) {
+    Seeing<power> seeing(p, at, set, scratch, out, nearest);
     if (set.final)
         seeing.look_finally();
     else
@@ -483,18 +519,18 @@ void see_all(const Projection& p, const Locations& at, const SeeSettings& set, S
 }  // namespace
 
 void see(const Projection& p, const Locations& at, const SeeSettings& set, SeeScratch& scratch,
-         Colors& out) {
+         Colors& out, std::uint32_t* nearest) {
     const size_t n = at.size();
     out.rgba.resize(4 * n);
     out.valid.resize(n);
     out.color_space = &p.hierarchy->color_space;
     out.candidates = 0;
     if (set.tent.exponent == 1)
-        see_all<1>(p, at, set, scratch, out);
+        see_all<1>(p, at, set, scratch, out, nearest);
     else if (set.tent.exponent == 2)
-        see_all<2>(p, at, set, scratch, out);
+        see_all<2>(p, at, set, scratch, out, nearest);
     else
-        see_all<4>(p, at, set, scratch, out);
+        see_all<4>(p, at, set, scratch, out, nearest);
 }
 
 }  // namespace weft::light_field::WEFT_ISA

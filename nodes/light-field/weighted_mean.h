@@ -82,8 +82,8 @@ inline bool write_mean(const float* rgba, const std::uint32_t* sample, const flo
     return hn::GetLane(sums) > 0;
 }
 
-inline void write_nearest(const float* rgba, const std::uint32_t* sample, const float* dx,
-                          const float* dy, size_t n, float* out) {
+// Which of n samples is nearest, of equal ones the first.
+inline size_t nearest(const float* dx, const float* dy, size_t n) {
     size_t nearest = 0;
     float least = 1e38f;
     for (size_t i = 0; i < n; ++i) {
@@ -93,7 +93,12 @@ inline void write_nearest(const float* rgba, const std::uint32_t* sample, const 
             nearest = i;
         }
     }
-    std::copy_n(rgba + 4 * size_t(sample[nearest]), 4, out);
+    return nearest;
+}
+
+inline void write_nearest(const float* rgba, const std::uint32_t* sample, const float* dx,
+                          const float* dy, size_t n, float* out) {
+    std::copy_n(rgba + 4 * size_t(sample[nearest(dx, dy, n)]), 4, out);
 }
 
 }  // namespace weft::light_field::WEFT_ISA

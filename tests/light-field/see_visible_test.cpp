@@ -1,6 +1,7 @@
 // see-visible against the stages that it stands for.
 #include "light-field/build_hierarchy_kernel.h"
 #include "light-field/kernels.h"
+#include "shadows/seen_sample_kernel.h"
 #include "tests/light-field/light_field_test.h"
 
 namespace weft {
@@ -30,6 +31,7 @@ struct Stages {
     Surfaces surfaces;
     Visibility visibility;
     Colors colors;
+    SeenSamples seen;
     Stages(const Projection& p, const Locations& at, const SeeSettings& set) {
         candidates.pixels = surfaces.pixels = visibility.pixels = colors.pixels = at.pixels;
         ClusterScratch cluster_scratch;
@@ -37,12 +39,12 @@ struct Stages {
         FilterScratch filter_scratch;
         WEFT_PICK(gather)(p, at, set.radius, candidates);
         WEFT_PICK(cluster)(candidates, set.test, cluster_scratch, surfaces);
-        if (set.final)
-            WEFT_PICK(cover_finally)
-            (candidates, surfaces, set.cover_radius, coverage_scratch, visibility);
-        else
-            WEFT_PICK(cover)(candidates, surfaces, set.cover_radius, visibility);
+        if (set.final) WEFT_PICK(cover_finally)
+        (candidates, surfaces, set.cover_radius, coverage_scratch, visibility);
+        else WEFT_PICK(cover)(candidates, surfaces, set.cover_radius, visibility);
         WEFT_PICK(filter)(candidates, surfaces, visibility, set.tent, filter_scratch, colors);
+        seen.pixels = at.pixels;
+        shadows::find_seen(candidates, surfaces, visibility, seen);
     }
 };
 
@@ -74,7 +76,12 @@ TEST_P(SeeVisible, SeesWhatTheStagesSee) {
                                       final};
                 const Stages stages(p, at, set);
                 colors.pixels = at.pixels;
-                WEFT_PICK(see)(p, at, set, scratch, colors);
+                std::vector<std::uint32_t> nearest(at.size());
+                WEFT_PICK(see)(p, at, set, scratch, colors, nearest.data());
+                EXPECT_EQ(nearest, stages.seen.sample) << "trial " << trial;
+                const std::vector<float> with_nearest = colors.rgba;
+                WEFT_PICK(see)(p, at, set, scratch, colors, nullptr);
+                EXPECT_EQ(colors.rgba, with_nearest);
                 for (size_t l = 0; l < at.size(); ++l) {
                     const Decision here = scratch.visibility.decision[l],
                                    there = stages.visibility.decision[l];
