@@ -128,8 +128,8 @@ void AdaptiveRun::hand_out(Outputs& out) const {
     Samples samples = samples_of(sampler_, views, values, weight, order);
     std::vector<std::uint32_t> place(n);
     for (size_t i = 0; i < n; ++i) place[order[i]] = std::uint32_t(i);
-    out.set("samples", std::move(samples));
-    out.set("leaves", leaves(place));
+    if (out.wanted("samples")) out.set("samples", std::move(samples));
+    if (out.wanted("leaves")) out.set("leaves", leaves(place));
 }
 
 LeafTree AdaptiveRun::leaves(std::span<const std::uint32_t> place) const {

@@ -22,19 +22,26 @@ Evaluated evaluate(const SamplerFunction& sampler, const std::vector<std::span<c
             for (const auto& axis : axes) part.push_back(axis.subspan(begin, end - begin));
             std::vector<float> values(stride * (end - begin));
             sampler.evaluate({part}, hidden_seed, values);
-            size_t bad = 0;
             for (size_t i = begin; i < end; ++i) {
                 const float* from = &values[stride * (i - begin)];
                 std::copy_n(from + 3, more, out.features.begin() + std::ptrdiff_t(more * i));
-                if (std::isfinite(from[0]) && std::isfinite(from[1]) && std::isfinite(from[2]))
-                    std::copy_n(from, 3, &out.rgb[3 * i]);
-                else
-                    ++bad;
+                std::copy_n(from, 3, &out.rgb[3 * i]);
             }
-            return bad;
+            return blacken_broken(std::span(out.rgb).subspan(3 * begin, 3 * (end - begin)));
         },
         [](size_t a, size_t b) { return a + b; });
     return out;
+}
+
+size_t blacken_broken(std::span<float> rgb) {
+    size_t broken = 0;
+    for (size_t i = 0; i + 2 < rgb.size(); i += 3) {
+        if (std::isfinite(rgb[i]) && std::isfinite(rgb[i + 1]) && std::isfinite(rgb[i + 2]))
+            continue;
+        std::fill_n(&rgb[i], 3, 0.0f);
+        ++broken;
+    }
+    return broken;
 }
 
 void judge_broken(size_t broken, size_t all, Context& ctx) {

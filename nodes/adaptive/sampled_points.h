@@ -18,6 +18,9 @@ struct Evaluated {
 Evaluated evaluate(const SamplerFunction& sampler, const std::vector<std::span<const float>>& axes,
                    std::uint64_t hidden_seed, Context& ctx);
 
+// Makes radiance that is not finite black; counts such points.
+size_t blacken_broken(std::span<float> rgb);
+
 // Warns of points without finite radiance; fails where they are more than one in a hundred.
 void judge_broken(size_t broken, size_t all, Context& ctx);
 

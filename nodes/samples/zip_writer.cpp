@@ -44,7 +44,9 @@ Sizes sizes_of(const ZipPiece& piece, std::uint64_t data_size) {
 
 void finish(ZipPiece& piece, bool deflate) {
     piece.crc = libdeflate_crc32(0, piece.head.data(), piece.head.size());
-    piece.crc = libdeflate_crc32(piece.crc, piece.data.data(), piece.data.size());
+    // Of no bytes at no address, libdeflate gives the checksum's start.
+    if (!piece.data.empty())
+        piece.crc = libdeflate_crc32(piece.crc, piece.data.data(), piece.data.size());
     piece.packed.clear();
     if (!deflate) return;
     const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> packer(
