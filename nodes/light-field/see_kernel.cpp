@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light-field/front_surface.h"
 #include "light-field/grid_reach.h"
 #include "light-field/kernels.h"
 #include "light-field/layers.h"
@@ -298,97 +299,27 @@ class Seeing {
             settle_front_of<moving, 2>(l, colored);
     }
 
-    // As settle_front, of a few candidates that stay in `vectors` registers, in no order: the front
-    // surface ends at the nearest sample that conflicts with a nearer one.
+    // As settle_front, of candidates few enough for `vectors` vectors.
     template <bool moving, size_t vectors>
     void settle_front_of(size_t l, bool colored) {
-        const float u = p_.u, v = p_.v, box = set_.test.box;
-        const VF c0 = hn::Set(f, h_.lens.c0 * box), c1 = hn::Set(f, h_.lens.c1 * box),
-                 one = hn::Set(f, 1.0f);
-        const VF time = hn::Set(f, p_.t - 0.5f), limit = hn::Set(f, set_.test.tolerance),
-                 stretch = hn::Set(f, h_.lens.aspect);
-        VF x[vectors], y[vectors], depth[vectors], slope[vectors], vx[vectors], vy[vectors];
-        for (size_t k = 0, i = 0; k < vectors; ++k, i += lanes) {
-            x[k] = hn::LoadU(f, &c_.found_x[i]);
-            y[k] = hn::LoadU(f, &c_.found_y[i]);
-            if (h_.moving) {
-                const PathVectors path(h_.paths.data(), &c_.found[i], n_ - i);
-                depth[k] = hn::MulAdd(time, path.VW, path.W);
-                if constexpr (moving) {
-                    const VF at_x = hn::Set(f, at_.x[l] - h_.lens.c1 * u * h_.lens.aspect),
-                             at_y = hn::Set(f, at_.y[l] - h_.lens.c1 * v);
-                    const VF inverse = hn::Div(hn::Set(f, 0.5f * box), depth[k]);
-                    vx[k] = hn::Mul(inverse, hn::NegMulAdd(path.VW, hn::Add(at_x, x[k]), path.VX));
-                    vy[k] = hn::Mul(inverse, hn::NegMulAdd(path.VW, hn::Add(at_y, y[k]), path.VY));
-                    hn::StoreU(vx[k], f, &c_.velocity_x[i]);
-                    hn::StoreU(vy[k], f, &c_.velocity_y[i]);
-                }
-            } else {
-                depth[k] = load(h_.W, samples_at(c_.found, i));
-            }
-            slope[k] = hn::MulAdd(c0, hn::Div(one, depth[k]), c1);
-            hn::StoreU(depth[k], f, &c_.depth[i]);
-            hn::StoreU(slope[k], f, &c_.slope[i]);
-        }
-        using Mask = hn::Mask<F>;
-        Mask found[vectors];
-        for (Mask& mask : found) mask = hn::MaskFromVec(hn::Zero(f));
-        for (size_t j = 0; j < n_; ++j) {
-            const VF other = hn::Set(f, c_.depth[j]), other_slope = hn::Set(f, c_.slope[j]);
-            const VF other_x = hn::Set(f, c_.found_x[j]), other_y = hn::Set(f, c_.found_y[j]);
-            for (size_t k = 0; k < vectors; ++k) {
-                VF way_y = hn::AbsDiff(other_slope, slope[k]), way_x = hn::Mul(way_y, stretch);
-                if constexpr (moving) {
-                    way_x = hn::Max(way_x, hn::AbsDiff(hn::Set(f, c_.velocity_x[j]), vx[k]));
-                    way_y = hn::Max(way_y, hn::AbsDiff(hn::Set(f, c_.velocity_y[j]), vy[k]));
-                }
-                const Mask cross =
-                    hn::Or(hn::Lt(hn::Add(hn::AbsDiff(other_x, x[k]), limit), way_x),
-                           hn::Lt(hn::Add(hn::AbsDiff(other_y, y[k]), limit), way_y));
-                // Of equal depths the first is the nearer.
-                const Mask later =
-                    hn::AndNot(hn::FirstN(f, j + 1 > k * lanes ? j + 1 - k * lanes : 0),
-                               hn::Eq(other, depth[k]));
-                found[k] = hn::Or(found[k], hn::And(cross, hn::Or(hn::Lt(other, depth[k]), later)));
-            }
-        }
-        VF least = hn::Set(f, 1e38f);
-        for (size_t k = 0; k < vectors; ++k) {
-            found[k] = hn::And(found[k], hn::FirstN(f, n_ - k * lanes));
-            least = hn::Min(least, hn::IfThenElse(found[k], depth[k], hn::Set(f, 1e38f)));
-        }
-        const VF border = hn::MinOfLanes(f, least);
-        // The front surface: nearer than the border, or as near and before the first found there.
-        Mask seen[vectors];
-        bool past = false, all = true;
-        for (size_t k = 0; k < vectors; ++k) {
-            const Mask in = hn::FirstN(f, n_ - k * lanes),
-                       level = hn::And(in, hn::Eq(depth[k], border));
-            seen[k] = hn::And(in, hn::Lt(depth[k], border));
-            if (const unsigned ends = bits_of(f, hn::And(found[k], level)); !past) {
-                seen[k] = hn::Or(
-                    seen[k],
-                    ends ? hn::And(level, hn::FirstN(f, size_t(__builtin_ctz(ends)))) : level);
-                past = ends != 0;
-            }
-            all = all && hn::AllTrue(f, hn::Or(seen[k], hn::Not(in)));
-        }
-        if (all && colored) return;
-        Hull hull;
-        if (!all) {
+        const FrontSurface<moving, vectors> front(p_, at_, l, set_.test, n_, c_);
+        if (front.all && colored) return;
+        if (!front.all) {
+            Hull hull;
             size_t near = 0;
             for (size_t k = 0; k < vectors; ++k) {
-                hull.add(x[k], y[k], seen[k]);
-                near += hn::CountTrue(f, hn::And(seen[k], hn::Lt(squared(x[k], y[k]), near_)));
+                const VF x = front.x[k], y = front.y[k];
+                hull.add(x, y, front.seen[k]);
+                near += hn::CountTrue(f, hn::And(front.seen[k], hn::Lt(squared(x, y), near_)));
             }
             if (float(near) < enough_ || !hull.inside()) return leave(l);
             c_.visibility.decision[l] = Decision::covered;
         }
         size_t n = 0;
         for (size_t k = 0; k < vectors; ++k) {
-            const Pack pack(seen[k]);
-            pack.store(x[k], &c_.x[n]);
-            pack.store(y[k], &c_.y[n]);
+            const Pack pack(front.seen[k]);
+            pack.store(front.x[k], &c_.x[n]);
+            pack.store(front.y[k], &c_.y[n]);
             pack.store(hn::LoadU(un, &c_.found[k * lanes]), &c_.sample[n]);
             n += pack.count;
         }
