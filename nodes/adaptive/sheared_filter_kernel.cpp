@@ -11,7 +11,6 @@ namespace {
 
 constexpr float narrowest_move = 1e-3f;  // px: less is none
 constexpr int most_times = 16;           // at which a lens is looked through
-constexpr int lens_points = 16;          // of a lens with blades
 
 bool finite(const float* color) {
     return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
@@ -24,6 +23,8 @@ ShearedFilter::ShearedFilter(const Samples& samples, const Image* slopes,
     : samples_(samples),
       paths_(samples),
       settings_(settings),
+      pieces_(paths_.lens()),
+      round_(paths_.lens().blades < 3 && !settings.pieces),
       shutter_(shutter_of(samples.meta)),
       rgb_(samples.rgb()),
       weight_(samples.values("weight")) {
@@ -89,14 +90,28 @@ float ShearedFilter::time_weight(const Filter& f, float dx, float dy, float t) c
     return shutter_.constant() ? w : w * shutter_.openness((in.a + in.b) / 2);
 }
 
-// u, v on the unit disc.
+// u, v on the unit disc, aspect taken out.
 float ShearedFilter::lens_weight(const Filter& f, float dx, float dy, float u, float v) const {
     const Interval x = inside_box(dx, f.coc_x, f.half_x, u, -1, 1);
     if (x.empty()) return 0;
     const Interval y = inside_box(dy, f.coc_y, f.half_y, v, -1, 1);
     if (y.empty()) return 0;
-    return gaussian_over(x, u, f.sigma_lens) * gaussian_over(y, v, f.sigma_lens) *
-           share_on_disc(x, y);
+    if (!round_) return pieces_weight(f, x, y, u, v);
+    const float share = share_on_disc(x, y);
+    return share > 0 ? share * gaussian_over(x, u, f.sigma_lens) * gaussian_over(y, v, f.sigma_lens)
+                     : 0.0f;
+}
+
+float ShearedFilter::pieces_weight(const Filter& f, Interval x, Interval y, float u,
+                                   float v) const {
+    float sum = 0;
+    const auto [first, last] = LensPieces::columns(x);
+    for (size_t k = first; k <= last; ++k) {
+        const Interval across = x.in(LensPieces::column(k)), along = y.in(pieces_.v[k]);
+        if (!across.empty() && !along.empty())
+            sum += gaussian_over(across, u, f.sigma_lens) * gaussian_over(along, v, f.sigma_lens);
+    }
+    return sum;
 }
 
 float ShearedFilter::weight(const Filter& f, size_t i) const {
@@ -105,27 +120,15 @@ float ShearedFilter::weight(const Filter& f, size_t i) const {
     if (!f.blurs) return time_weight(f, dx, dy, paths_.t(i));
     const auto on = paths_.uv(i);
     const float u = on[0] / lens.aspect, v = on[1], t = paths_.t(i);
-    if (!f.moves && lens.blades < 3) return lens_weight(f, dx, dy, u, v);
+    if (!f.moves) return lens_weight(f, dx, dy, u, v);
 
-    // Lens and shutter together have no closed form: one of them is looked at in points, which
-    // are shifted from pixel to pixel and sample to sample, so that they leave noise, not rings.
-    std::uint64_t key = mix(std::uint64_t(f.pixel) << 32 | std::uint64_t(i));
+    // Lens and shutter together have no closed form: the lens is looked through at a few times,
+    // shifted from pixel to pixel and sample to sample, so that they leave noise, not steps.
+    const std::uint64_t key = mix(std::uint64_t(f.pixel) << 32 | std::uint64_t(i));
     const auto falls = [](float way, float sigma) {
         return sigma < INFINITY ? std::exp(-way * way / (2 * sigma * sigma)) : 1.0f;
     };
     float sum = 0;
-    if (lens.blades >= 3) {
-        const float shift_a = unit_float(key), shift_b = unit_float(mix(key));
-        for (int k = 0; k < lens_points; ++k) {
-            // An additive recurrence of low discrepancy (Roberts 2018).
-            const float a = std::fmod(shift_a + 0.7548777f * float(k), 1.0f),
-                        b = std::fmod(shift_b + 0.5698403f * float(k), 1.0f);
-            const auto p = on_lens(a, b, lens);
-            const float w = time_weight(f, dx + f.coc_x * (p[0] - u), dy + f.coc_y * (p[1] - v), t);
-            if (w > 0) sum += w * falls(std::hypot(p[0] - u, p[1] - v), f.sigma_lens);
-        }
-        return sum / lens_points;
-    }
     const int times = std::clamp(int(std::ceil(std::hypot(f.vx, f.vy) * 2)), 4, most_times);
     const float shift = unit_float(key);
     for (int k = 0; k < times; ++k) {
@@ -149,15 +152,22 @@ ShearedFilter::Pixel ShearedFilter::own_mean(int x, int y) const {
     return out;
 }
 
-ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
-    const PixelSlopes s = (*slopes_)(x, y);
+bool ShearedFilter::keeps_own(const PixelSlopes& s, const Pixel& own) const {
     const auto too_wide = [&](double lo, double hi) {
         return lo <= 0 && hi >= 0 && hi - lo > double(settings_.wide);
     };
+    return settings_.fallback && own.effective > 0 &&
+           (!s.known || too_wide(s.lo, s.hi) || too_wide(s.lens_lo, s.lens_hi));
+}
+
+ShearedFilter::Pixel ShearedFilter::better(const Pixel& found, const Pixel& own) const {
+    return settings_.fallback && found.effective < settings_.gain * own.effective ? own : found;
+}
+
+ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
+    const PixelSlopes s = (*slopes_)(x, y);
     const Pixel own = own_mean(x, y);
-    if (settings_.fallback && own.effective > 0 &&
-        (!s.known || too_wide(s.lo, s.hi) || too_wide(s.lens_lo, s.lens_hi)))
-        return own;
+    if (keeps_own(s, own)) return own;
     Filter f = filter_of(s, x, y);
     for (int tries = 0; tries < 4; ++tries) {
         Sums sums;
@@ -166,10 +176,7 @@ ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
             sums.add(w, &rgb_[3 * i], from[0], from[1]);
         });
         const Pixel found = sums.fitted();
-        if (found.effective > 0) {
-            const bool fewer = found.effective < settings_.gain * own.effective;
-            return settings_.fallback && fewer ? own : found;
-        }
+        if (found.effective > 0) return better(found, own);
         f.half_x *= 2, f.half_y *= 2;
     }
     return own;

@@ -17,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "adaptive/lens_pieces.h"
 #include "adaptive/sample_paths.h"
 #include "adaptive/slopes.h"
 #include "samples/lens_shape.h"
@@ -28,6 +29,7 @@ struct ShearedSettings {
     float wide = 4;        // px: wider ranges about 0 are not filtered
     float gain = 2;        // times a pixel's own samples that are worth taking others for
     bool fallback = true;  // the pixel's own mean there, and where few samples would have a say
+    bool pieces = false;   // a round lens, too, as the columns of lens_pieces.h
 };
 
 class ShearedFilter {
@@ -43,6 +45,10 @@ class ShearedFilter {
     // `own_mean` and effective 0: there are no samples near.
     Pixel filtered(int x, int y) const;
     Pixel own_mean(int x, int y) const;
+    // Whether a pixel keeps its own mean, whatever samples there are around; and if not, when those
+    // that were found are too few.
+    bool keeps_own(const PixelSlopes& slopes, const Pixel& own) const;
+    Pixel better(const Pixel& found, const Pixel& own) const;
 
     // Of a pixel: its box, the way that samples are slid, and how far.
     struct Filter {
@@ -57,6 +63,13 @@ class ShearedFilter {
     // along a thick line through it, row by row.
     template <class Take>
     void gather(const Filter& filter, const Take& take) const;
+    // Of a filter that does not move: the columns and the rows, first and last, that it reaches.
+    std::array<int, 2> columns_of(const Filter& f) const {
+        return pixels_between(f.x, f.x, pad_x(f), samples_.width);
+    }
+    std::array<int, 2> rows_of(const Filter& f) const {
+        return pixels_between(f.y, f.y, pad_y(f), samples_.height);
+    }
     const SamplePaths& paths() const { return paths_; }
     // Where a sample's path is, at the shutter's mean time, from the lens's centre, from the
     // middle of a filter.
@@ -116,12 +129,28 @@ class ShearedFilter {
   private:
     float weight(const Filter& filter, size_t sample) const;
     float lens_weight(const Filter& filter, float dx, float dy, float u, float v) const;
+    float pieces_weight(const Filter& filter, Interval x, Interval y, float u, float v) const;
     float time_weight(const Filter& filter, float dx, float dy, float t) const;
+    float pad_x(const Filter& f) const {
+        return f.half_x + overhang_ + std::abs(f.coc_x) * f.reach_lens;
+    }
+    float pad_y(const Filter& f) const {
+        return f.half_y + overhang_ + std::abs(f.coc_y) * f.reach_lens;
+    }
+    // The pixels, first and last, of [0, size) that come within `pad` of [from, to].
+    static std::array<int, 2> pixels_between(float from, float to, float pad, int size) {
+        const auto pixel = [size](float at) {
+            return int(std::clamp(std::floor(at), -1.0f, float(size)));
+        };
+        return {std::max(pixel(from - pad), 0), std::min(pixel(to + pad), size - 1)};
+    }
 
     const Samples& samples_;
     SamplePaths paths_;
     std::optional<SlopeReader> slopes_;
     ShearedSettings settings_;
+    LensPieces pieces_;
+    bool round_;
     ShutterCurve shutter_;
     std::span<const float> rgb_, weight_;
     double mean_time_ = 0.5;
@@ -131,25 +160,18 @@ class ShearedFilter {
 template <class Take>
 void ShearedFilter::gather(const Filter& f, const Take& take) const {
     const float way_x = f.moves ? f.vx * f.reach_t : 0, way_y = f.moves ? f.vy * f.reach_t : 0;
-    const float pad_x = f.half_x + overhang_ + std::abs(f.coc_x) * f.reach_lens,
-                pad_y = f.half_y + overhang_ + std::abs(f.coc_y) * f.reach_lens;
-    const float rise = std::abs(way_y), run = way_y < 0 ? -way_x : way_x;
-    const auto at_most = [](float value, int most) {
-        return int(std::clamp(std::floor(value), -1.0f, float(most)));
-    };
-    const int first = std::max(at_most(f.y - rise - pad_y, samples_.height), 0),
-              last = std::min(at_most(f.y + rise + pad_y, samples_.height), samples_.height - 1);
+    const float rise = std::abs(way_y), run = way_y < 0 ? -way_x : way_x, pad = pad_y(f);
+    const auto [first, last] = pixels_between(f.y - rise, f.y + rise, pad, samples_.height);
     for (int j = first; j <= last; ++j) {
         // The part of the line, in [-1, 1], that comes near this row.
         float from = -1, to = 1;
         if (rise > 0) {
-            from = std::clamp((float(j) - pad_y - f.y) / rise, -1.0f, 1.0f);
-            to = std::clamp((float(j + 1) + pad_y - f.y) / rise, -1.0f, 1.0f);
+            from = std::clamp((float(j) - pad - f.y) / rise, -1.0f, 1.0f);
+            to = std::clamp((float(j + 1) + pad - f.y) / rise, -1.0f, 1.0f);
         }
         const float a = f.x + run * from, b = f.x + run * to;
-        const int left = std::max(at_most(std::min(a, b) - pad_x, samples_.width), 0),
-                  right =
-                      std::min(at_most(std::max(a, b) + pad_x, samples_.width), samples_.width - 1);
+        const auto [left, right] =
+            pixels_between(std::min(a, b), std::max(a, b), pad_x(f), samples_.width);
         for (int k = left; k <= right; ++k) {
             const auto range = samples_.of_pixel(size_t(j) * size_t(samples_.width) + size_t(k));
             // Where samples lie denser, each stands for less.

@@ -223,7 +223,7 @@ struct SlopeLayers {
     }
 };
 
-WEFT_NODE(SlopeLayers, "slope-layers", 1)
+WEFT_NODE(SlopeLayers, "slope-layers", 2)
 
 }  // namespace
 }  // namespace weft

@@ -5,7 +5,8 @@
 // rays of pixels around are compared, so nothing is rotated.
 //   along  a Gaussian of the change of direction, deviation s_x / (zbar^2 (1/z_min - 1/z_max) / 2),
 //          s_x = 0.5 max(p, z_min theta): p a pixel's width, theta = 1 rad that of the cosine
-//   near   what is nearer than 4 p / theta changes over few pixels: such hits are counted apart, over
+//   near   what is nearer than 4 p / theta changes over few pixels: such hits are counted apart,
+//   over
 //          5 x 5 pixels and not slid; z_min is no less than that
 //   parts  the directions are cut in 4 x 4 of equal cosine, each with a mean of its own
 // Source: Egan et al. 2011 (directional occlusion), Sec. 4 and 5.  Departure: sliding is counted in
@@ -14,9 +15,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <atomic>
 #include <numbers>
 
+#include "image/each_line.h"
 #include "image/image.h"
 #include "image/image_cost.h"
 #include "render/shading_frame.h"
@@ -109,18 +110,10 @@ struct DirectionalOcclusion {
                             : Image(samples.width, samples.height, 1);
         Image used(samples.width, samples.height, 1);
         image.color_space = used.color_space = "Raw";
-        std::atomic<size_t> done = 0;
-        ctx.parallel_rows(
-            samples.height,
-            [&](Rows rows) {
-                for (int y = rows.begin; y < rows.end; ++y) {
-                    ctx.check_cancelled();
-                    for (int x = 0; x < samples.width; ++x)
-                        filter(samples, rays, pixels, x, y, image.at(x, y), *used.at(x, y));
-                    ctx.progress(double(++done), samples.height, "rows");
-                }
-            },
-            1);
+        each_line(ctx, samples.height, "rows", [&](int y) {
+            for (int x = 0; x < samples.width; ++x)
+                filter(samples, rays, pixels, x, y, image.at(x, y), *used.at(x, y));
+        });
         if (out.wanted("image")) out.set("image", std::move(image));
         if (out.wanted("rays")) out.set("rays", std::move(used));
     }

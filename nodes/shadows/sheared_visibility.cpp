@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <atomic>
 #include <numbers>
 
 #include "adaptive/sheared_weights.h"
+#include "image/each_line.h"
 #include "image/image.h"
 #include "image/image_cost.h"
 #include "runtime/node.h"
@@ -97,41 +97,54 @@ struct ShearedVisibility {
                                 "expected one size",
                                 image->width(), image->height(), samples.width, samples.height));
 
-        // All rays, pixel by pixel.
-        std::vector<std::vector<Ray>> rays(samples.pixels());
-        ctx.parallel_rows(samples.height, [&](Rows rows) {
-            std::vector<ShadowRay> own;
-            for (int y = rows.begin; y < rows.end; ++y)
-                for (int x = 0; x < samples.width; ++x) {
-                    pixels.of_pixel(x, y, own);
-                    const float* r = receivers.at(x, y);
-                    const Point3 normal{double(r[3]), double(r[4]), double(r[5])};
-                    std::vector<Ray>& to = rays[size_t(y) * size_t(samples.width) + size_t(x)];
-                    for (const ShadowRay& ray : own)
-                        to.push_back({ray.light, ray.receiver, normal, ray.lit});
-                }
-        });
+        const PixelRows rays = rays_of(pixels, receivers, ctx);
         Image visibility(samples.width, samples.height, 1);
         visibility.color_space = "Raw";
         Image used = visibility;
-        std::atomic<size_t> done = 0;
-        ctx.parallel_rows(
-            samples.height,
-            [&](Rows rows) {
-                for (int y = rows.begin; y < rows.end; ++y) {
-                    ctx.check_cancelled();
-                    for (int x = 0; x < samples.width; ++x)
-                        filter(view, rays, bounds.at(x, y), at, receivers, x, y,
-                               *visibility.at(x, y), *used.at(x, y));
-                    ctx.progress(double(++done), samples.height, "rows");
-                }
-            },
-            1);
+        each_line(ctx, samples.height, "rows", [&](int y) {
+            for (int x = 0; x < samples.width; ++x)
+                filter(view, rays, bounds.at(x, y), at, receivers, x, y, *visibility.at(x, y),
+                       *used.at(x, y));
+        });
         if (out.wanted("visibility")) out.set("visibility", std::move(visibility));
         if (out.wanted("rays")) out.set("rays", std::move(used));
     }
 
   private:
+    // All rays, pixel by pixel.
+    struct PixelRows {
+        std::vector<Ray> rays;
+        std::vector<size_t> first;  // of each pixel, and the end
+        size_t width;
+        std::span<const Ray> of(int x, int y) const {
+            const size_t pixel = size_t(y) * width + size_t(x);
+            return std::span(rays).subspan(first[pixel], first[pixel + 1] - first[pixel]);
+        }
+    };
+    static PixelRows rays_of(const PixelRays& pixels, const Image& receivers, Context& ctx) {
+        const auto width = size_t(receivers.width()), height = size_t(receivers.height());
+        // Rows are filled at once, then joined.
+        std::vector<PixelRows> rows(height);
+        ctx.parallel_for(height, [&](size_t y) {
+            std::vector<ShadowRay> own;
+            for (size_t x = 0; x < width; ++x) {
+                pixels.of_pixel(int(x), int(y), own);
+                const float* r = receivers.at(int(x), int(y));
+                const Point3 normal{double(r[3]), double(r[4]), double(r[5])};
+                for (const ShadowRay& ray : own)
+                    rows[y].rays.push_back({ray.light, ray.receiver, normal, ray.lit});
+                rows[y].first.push_back(rows[y].rays.size());
+            }
+        });
+        PixelRows all{{}, {0}, width};
+        for (const PixelRows& row : rows) {
+            const size_t before = all.rays.size();
+            all.rays.insert(all.rays.end(), row.rays.begin(), row.rays.end());
+            for (const size_t end : row.first) all.first.push_back(before + end);
+        }
+        return all;
+    }
+
     struct Slopes {
         int lo, hi, pixel;
     };
@@ -159,11 +172,10 @@ struct ShearedVisibility {
         return 0.5 * std::erfc((r - half) / (deviation * std::numbers::sqrt2));
     }
 
-    void filter(const LightView& view, const std::vector<std::vector<Ray>>& rays, const float* b,
-                const Slopes& slopes, const Image& receivers, int x, int y, float& visibility,
-                float& used) const {
+    void filter(const LightView& view, const PixelRows& rays, const float* b, const Slopes& slopes,
+                const Image& receivers, int x, int y, float& visibility, float& used) const {
         const int width = receivers.width(), height = receivers.height();
-        const std::vector<Ray>& own = rays[size_t(y) * size_t(width) + size_t(x)];
+        const auto own = rays.of(x, y);
         size_t lit = 0;
         for (const Ray& ray : own) lit += ray.lit;
         visibility = own.empty() ? 1.0f : float(lit) / float(own.size());
@@ -194,7 +206,7 @@ struct ShearedVisibility {
         size_t count = 0;
         for (int j = std::max(y - around, 0); j <= std::min(y + around, height - 1); ++j)
             for (int i = std::max(x - around, 0); i <= std::min(x + around, width - 1); ++i) {
-                const std::vector<Ray>& there = rays[size_t(j) * size_t(width) + size_t(i)];
+                const auto there = rays.of(i, j);
                 if (there.empty()) continue;
                 // Where rays lie denser, each stands for less.
                 const double each = 1 / double(there.size());
