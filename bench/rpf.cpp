@@ -42,22 +42,23 @@ SampleVectors made_up() {
         for (int k = 0; k < 3; ++k) v.components.push_back({Role::feature, int(v.channels.size())});
         v.channels.push_back(name);
     }
-    v.stride = (v.components.size() + 3) / 4 * 4;
-    v.values.resize(n * v.stride + SampleVectors::padding);
+    v.values.resize(n * v.stride() + SampleVectors::padding);
     std::fill(v.values.begin(), v.values.end(), 0.0f);
     std::vector<float> xy, rgb;
     for (size_t i = 0; i < n; ++i) {
         const size_t pixel = i / spp;
         const float x = float(pixel % side) + noise(i, 0), y = float(pixel / side) + noise(i, 1);
-        float* to = &v.values[i * v.stride];
+        float* to = &v.values[i * v.stride()];
         to[0] = x;
         to[1] = y;
         for (size_t k = 2; k < 7; ++k) to[k] = noise(i, k);
         for (size_t k = 7; k < v.components.size(); ++k)
             to[k] = std::sin(0.02f * float(k) * x + 0.03f * y) + 0.3f * noise(i, k) + 0.1f * to[2];
         xy.insert(xy.end(), {x, y});
-        for (size_t c = 0; c < 3; ++c)
+        for (size_t c = 0; c < 3; ++c) {
             rgb.push_back(to[8 + c] + 1.5f + noise(i, 30) + 0.2f * to[5]);
+            to[v.components.size() + c] = rgb.back();
+        }
     }
     s.add("xy", 2, xy);
     s.add("rgb", 3, rgb);
@@ -113,41 +114,29 @@ class Pass {
         time(double(by_.draws) + double(drawn_.size()) / lanes,
              [&] { draw(v_.samples, by_, places_, at, scratch_, drawn_); });
 
-        std::vector<float> centre(v_.stride + 16, 0.0f),
-            bound(v_.stride + 16, std::numeric_limits<float>::infinity());
+        std::vector<float> centre(v_.stride() + 16, 0.0f),
+            bound(v_.stride() + 16, std::numeric_limits<float>::infinity());
         for (size_t k = 7; k < 16; ++k) {
             centre[k] = v_.of(first)[k];
             bound[k] = 0.9f;
         }
-        n_.sample.resize(spp + drawn_.size());
-        for (std::uint32_t i = 0; i < spp; ++i) n_.sample[i] = std::uint32_t(first) + i;
-        size_t found = 0;
-        time(2 * double(drawn_.size()) * std::ceil(9 / lanes), [&] {
-            found = WEFT_PICK(accept)(v_, drawn_, centre.data(), bound.data(), &n_.sample[spp]);
-        });
-        n_.sample.resize(spp + found);
-
         n_.vectors = &v_;
         n_.own_offset = {0, spp};
-        n_.pitch = (n_.samples() + 15) / 16 * 16;
-        n_.values.assign(n_.rows() * n_.pitch, 0.0f);
-        for (auto* of_row : {&n_.mean, &n_.scale, &n_.low, &n_.high}) of_row->resize(n_.rows());
+        n_.pitch = ((spp + drawn_.size() + 15) / 16 | 1) * 16;
+        const auto take = [&] {
+            n_.sample.resize(spp);
+            for (std::uint32_t i = 0; i < spp; ++i) n_.sample[i] = std::uint32_t(first) + i;
+            WEFT_PICK(take_near)(v_, drawn_, centre.data(), bound.data(), layout_, n_);
+        };
+        take();
         const auto n = double(n_.samples()), rows = double(n_.rows());
-        time(n * double(v_.stride) / lanes, [&] {
-            WEFT_PICK(lay_out)(v_.values.data(), v_.stride, n_.sample, n_.pitch, n_.values.data());
-        });
-        for (size_t i = 0; i < n_.samples(); ++i)
-            for (size_t c = 0; c < 3; ++c)
-                n_.values[n_.color_row(c) * n_.pitch + i] = v_.samples.rgb()[3 * n_.sample[i] + c];
-        time(4.5 * n * rows / lanes, [&] {
-            WEFT_PICK(normalise)
-            (n_.values.data(), n_.rows(), n_.samples(), n_.pitch, n_.mean.data(), n_.scale.data(),
-             n_.low.data(), n_.high.data());
-        });
+        // Comparisons; of what is taken two to lay out and five for the sums.
+        time(2 * double(drawn_.size()) * std::ceil(9 / lanes) + 3.5 * n * rows / lanes, take);
 
         std::vector<NumberRow> numbers;
         const auto add = [&](size_t row) {
-            numbers.push_back({n_.row(row), n_.low[row], n_.high[row]});
+            numbers.push_back(
+                {n_.row(row), n_.low[row], n_.high[row], n_.mean[row], n_.scale[row]});
         };
         for (size_t k = 0; k < 7; ++k) add(k);
         for (size_t c = 0; c < 3; ++c) add(n_.color_row(c));
@@ -192,6 +181,7 @@ class Pass {
     std::vector<double> found_;
     Weights weights_;
     FilterScratch filter_;
+    LayoutScratch layout_;
     SampleColors out_;
     double cells_ = 0, pairs_ = 0, samples_ = 0;
 };
@@ -202,9 +192,8 @@ int main() {
     const SampleVectors v = made_up();
     const double clock = clock_rate();
     fmt::print("{:.2f} cycles a nanosecond\n", clock);
-    const std::vector<Step> steps = {{"draw"},      {"accept"},         {"lay out"},
-                                     {"normalise"}, {"sort into bins"}, {"mutual information"},
-                                     {"filter"}};
+    const std::vector<Step> steps = {
+        {"draw"}, {"take what is near"}, {"sort into bins"}, {"mutual information"}, {"filter"}};
     for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
         if (isa > best_isa()) continue;
         pin_isa(isa);

@@ -59,7 +59,7 @@ struct BilateralFilter {
     }
 };
 
-WEFT_NODE(BilateralFilter, "bilateral-filter", 1)
+WEFT_NODE(BilateralFilter, "bilateral-filter", 2)
 
 }  // namespace
 }  // namespace weft

@@ -31,6 +31,7 @@ struct BinnedRows {
     size_t samples = 0, words = 0;    // a word holds 64 samples
     size_t pitch = 0;                 // from word to word: the columns of all rows lie side by side
     std::vector<std::uint64_t> bits;  // words x pitch, and padding
+    std::vector<std::uint32_t> counts;  // of columns, and padding
     std::vector<float> scratch;
 
     const std::uint64_t* column(size_t i) const { return &bits[i]; }

@@ -20,6 +20,11 @@ class Word {
     }
     HWY_INLINE std::uint64_t at_least(float edge) const {
         const VF low = hn::Set(f, edge);
+#if defined(__AVX512BW__)
+        const auto of = [&](size_t i)
+                            HWY_ATTR { return _mm512_cmp_ps_mask(x_[i].raw, low.raw, _CMP_GE_OQ); };
+        return _mm512_kunpackd(_mm512_kunpackw(of(3), of(2)), _mm512_kunpackw(of(1), of(0)));
+#else
         std::uint64_t all = 0;
         for (size_t i = 0; i < vectors; ++i) {
             std::uint8_t bytes[8] = {};
@@ -29,6 +34,7 @@ class Word {
             all |= std::uint64_t(some) << (i * lanes);
         }
         return all;
+#endif
     }
 
   private:
@@ -93,8 +99,7 @@ const bool counts_natively = __builtin_cpu_supports("avx512vpopcntdq");
 }  // namespace
 
 void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns,
-                    size_t pitch, std::uint32_t* count) {
-    std::fill_n(count, most_bins, 0u);
+                    size_t pitch) {
     const size_t last = edges.bins - 1;
     float rest[64] = {};
     // What is past one edge and not past the next lies in the bin between.
@@ -105,12 +110,23 @@ void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_
         const std::uint64_t all = whole ? ~std::uint64_t(0) : (std::uint64_t(1) << (n - begin)) - 1;
         std::uint64_t past = all;
         for (size_t b = 0; b < last; ++b) {
-            const std::uint64_t next = word.at_least(edges.edge[b]) & all;
+            const std::uint64_t next = word.at_least(edges.edge[b]);
             columns[b] = past & ~next;
-            count[b] += std::uint32_t(__builtin_popcountll(past & ~next));
-            past = next;
+            past &= next;
         }
-        count[last] += std::uint32_t(__builtin_popcountll(past));
+    }
+}
+
+void count_each(const std::uint64_t* bits, size_t columns, size_t pitch, size_t words,
+                std::uint32_t* counts) {
+    constexpr W whole;
+    for (size_t j = 0; j < columns; j += word_lanes) {
+        auto sum = hn::Zero(whole);
+        for (size_t w = 0; w < words; ++w)
+            sum = hn::Add(sum, hn::PopulationCount(hn::LoadU(whole, bits + w * pitch + j)));
+        std::uint64_t found[word_lanes];
+        hn::StoreU(sum, whole, found);
+        for (size_t k = 0; k < word_lanes; ++k) counts[j + k] = std::uint32_t(found[k]);
     }
 }
 

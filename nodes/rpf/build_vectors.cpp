@@ -56,7 +56,6 @@ struct BuildVectors {
         add(*samples.find("xy"), Role::position);
         for (const Channel* c : chosen(samples, random, Role::random)) add(*c, Role::random);
         for (const Channel* c : chosen(samples, features, Role::feature)) add(*c, Role::feature);
-        v.stride = (v.components.size() + 3) / 4 * 4;
         fill(channels, v, ctx);
         if (pixels) rpf::find_pixel_statistics(v, ctx);
         out.set("vectors", std::move(v));
@@ -98,8 +97,9 @@ struct BuildVectors {
     // Samples with a number that is not finite take no part.
     static void fill(const std::vector<const Channel*>& channels, SampleVectors& v, Context& ctx) {
         const size_t n = v.size();
-        v.values.resize(n * v.stride + SampleVectors::padding);
-        std::fill(v.values.begin() + std::ptrdiff_t(n * v.stride), v.values.end(),
+        const size_t stride = v.stride();
+        v.values.resize(n * stride + SampleVectors::padding);
+        std::fill(v.values.begin() + std::ptrdiff_t(n * stride), v.values.end(),
                   0.0f);  // kernels compare what they read there
         std::vector<std::uint8_t> whole(n);
         const auto rgb = v.samples.rgb();
@@ -108,16 +108,17 @@ struct BuildVectors {
             [&](size_t begin, size_t end) {
                 size_t bad = 0;
                 for (size_t i = begin; i < end; ++i) {
-                    float* to = &v.values[i * v.stride];
-                    float* const last = to + v.stride;
-                    bool finite = std::isfinite(rgb[3 * i]) && std::isfinite(rgb[3 * i + 1]) &&
-                                  std::isfinite(rgb[3 * i + 2]);
+                    float* to = &v.values[i * stride];
+                    bool finite = true;
+                    const auto add = [&](float x) {
+                        const bool good = std::isfinite(x);
+                        *to++ = good ? x : 0.0f;
+                        finite &= good;
+                    };
                     for (const Channel* c : channels)
-                        for (size_t k = 0; k < size_t(c->components); ++k, ++to) {
-                            *to = c->values[i * size_t(c->components) + k];
-                            if (!std::isfinite(*to)) *to = 0, finite = false;
-                        }
-                    std::fill(to, last, 0.0f);
+                        for (size_t k = 0; k < size_t(c->components); ++k)
+                            add(c->values[i * size_t(c->components) + k]);
+                    for (size_t c = 0; c < 3; ++c) add(rgb[3 * i + c]);
                     whole[i] = finite;
                     bad += !finite;
                 }

@@ -174,7 +174,7 @@ struct DependencyEstimate {
         scratch.features = rows_of(v, Role::feature, features);
         scratch.position.clear();
         if (position) scratch.position = rows_of(v, Role::position, {});
-        scratch.gain.assign(v.stride + 3, 1.0f);
+        scratch.gain.assign(v.stride(), 1.0f);
         for (const std::string& text : gains) {
             const size_t equals = text.find('=');
             float gain = 0;
@@ -205,7 +205,8 @@ struct DependencyEstimate {
     void estimate(const Neighbourhoods& n, Scratch& scratch) const {
         scratch.rows.clear();
         const auto add = [&](size_t row) {
-            scratch.rows.push_back({n.row(row), n.low[row], n.high[row]});
+            scratch.rows.push_back(
+                {n.row(row), n.low[row], n.high[row], n.mean[row], n.scale[row]});
         };
         for (const size_t row : scratch.random) add(row);
         for (const size_t row : scratch.position) add(row);
@@ -227,7 +228,7 @@ struct DependencyEstimate {
     }
 };
 
-WEFT_NODE(DependencyEstimate, "dependency-estimate", 1)
+WEFT_NODE(DependencyEstimate, "dependency-estimate", 2)
 
 }  // namespace
 }  // namespace weft

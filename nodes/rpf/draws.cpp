@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rpf/kernels.h"
 #include "samples/random.h"
 
 namespace weft::rpf {
@@ -183,17 +184,14 @@ class Drawer {
             add_counts(places, begin, some, scratch.counts);
             left -= some;
         }
-        drawn.resize(by_.draws + 2 * at_once);
+        drawn.resize(by_.draws + 16);
         std::uint32_t* to = drawn.data();
-        each_cell([&](size_t cell, Samples::Range of) {
-            // As many as a vector holds are written whether taken or not, which is sooner done than
-            // asked.
-            const size_t taken = std::min<size_t>(scratch.counts[cell], of.end - of.begin);
-            for (size_t i = 0; i < std::max(taken, at_once); i += at_once) {
-                const auto begin = std::uint32_t(of.begin + i);
-                for (std::uint32_t k = 0; k < at_once; ++k) to[i + k] = begin + k;
-            }
-            to += taken;
+        each_row([&](size_t cell, int x, int y, int some) {
+            std::uint16_t* counts = &scratch.counts[cell];
+            for (int i = 0; i < some && y >= block_.y0 && y < block_.y1; ++i)
+                if (within(block_, x + i, y)) counts[i] = 0;
+            to = WEFT_PICK(take_first)(samples_, size_t(y) * size_t(samples_.width) + size_t(x),
+                                       {counts, size_t(some)}, to);
         });
         drawn.resize(size_t(to - drawn.data()));
     }
@@ -225,16 +223,22 @@ class Drawer {
         each_cell(
             [&](size_t cell, Samples::Range of) { scratch.inside[cell] = of.begin < of.end; });
     }
-    // Those within the picture and outside the block, row by row.
+    // Of each row within box and picture its first cell, where that lies, and how many there are.
+    template <class Do>
+    void each_row(Do&& what) const {
+        const int half = by_.box / 2, side = side_of(by_), x0 = std::max(0, cx_ - half),
+                  x1 = std::min(samples_.width - 1, cx_ + half);
+        for (int y = std::max(0, cy_ - half); y <= std::min(samples_.height - 1, cy_ + half); ++y)
+            what(size_t(y - cy_ + half) * size_t(side) + size_t(x0 - cx_ + half), x0, y,
+                 x1 + 1 - x0);
+    }
+    // Those outside the block, row by row.
     template <class Do>
     void each_cell(Do&& what) const {
-        const int half = by_.box / 2, side = side_of(by_);
-        for (int y = std::max(0, cy_ - half); y <= std::min(samples_.height - 1, cy_ + half); ++y)
-            for (int x = std::max(0, cx_ - half); x <= std::min(samples_.width - 1, cx_ + half);
-                 ++x)
-                if (!within(block_, x, y))
-                    what(size_t(y - cy_ + half) * size_t(side) + size_t(x - cx_ + half),
-                         pixel(x, y));
+        each_row([&](size_t cell, int x, int y, int some) {
+            for (int i = 0; i < some; ++i)
+                if (!within(block_, x + i, y)) what(cell + size_t(i), pixel(x + i, y));
+        });
     }
     bool inside(int x, int y) const {
         return x >= 0 && x < samples_.width && y >= 0 && y < samples_.height &&
@@ -254,7 +258,8 @@ class Drawer {
 }  // namespace
 
 Places make_places(const DrawSettings& by) {
-    return by.rule == DrawRule::stratified ? Places{stratified_places(by), {}, {}} : random_places(by);
+    return by.rule == DrawRule::stratified ? Places{stratified_places(by), {}, {}}
+                                           : random_places(by);
 }
 
 void draw(const Samples& samples, const DrawSettings& by, const Places& places, PixelBlock block,

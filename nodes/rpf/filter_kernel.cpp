@@ -2,6 +2,7 @@
 // by likeness.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "rpf/kernels.h"
 #include "rpf/simd.h"
@@ -9,51 +10,79 @@
 namespace weft::rpf::WEFT_ISA {
 namespace {
 
-// e^-x for any x >= 0; what is past 80 is as good as nothing.
-HWY_INLINE VF falling(VF x) {
-    return exp_of_minus(hn::Min(x, hn::Set(f, 80.0f)));
+// 2^-x for any x >= 0, to 3e-6 of itself; what is past 120 is as good as nothing. 2^r for |r| <=
+// 1/2 by the polynomial of degree 4 that is 1 at 0 and whose largest relative error is the least.
+HWY_INLINE VF power_of_half(VF x) {
+    const hn::RebindToSigned<F> whole;
+    const VF y = hn::Neg(hn::Min(x, hn::Set(f, 120.0f)));
+    const auto n = hn::NearestInt(y);
+    const VF r = hn::Sub(y, hn::ConvertTo(f, n));
+    VF p = hn::Set(f, 9.5828532e-3f);
+    for (const float term : {5.5906425e-2f, 0.24024099f, 0.69312419f, 1.0f})
+        p = hn::MulAdd(p, r, hn::Set(f, term));
+    return hn::BitCast(f, hn::Add(hn::BitCast(whole, p), hn::ShiftLeft<23>(n)));
 }
 
 constexpr size_t together = lanes == 16 ? 8 : 4;  // own samples, as many as there are registers for
+constexpr size_t run = 64;  // neighbours whose weights are kept until they are summed up
 
-// Distances of `together` own samples to those from j on, over some rows.
-HWY_INLINE void distances(const float* rows, size_t pitch, std::span<const std::uint32_t> which,
-                          const std::uint32_t* own, size_t j, VF* sums) {
+using Row = FilterScratch::Row;
+
+// Of rows [begin, end) the squared distances of `together` own samples to a vector of others.
+// `own`: their numbers, row by row.
+HWY_INLINE void distances(const Row* begin, const Row* end, const float* own, size_t j, VF* sums) {
     for (size_t o = 0; o < together; ++o) sums[o] = hn::Zero(f);
-    for (const std::uint32_t k : which) {
-        const float* row = rows + size_t(k) * pitch;
-        const VF x = hn::LoadU(f, row + j);
+    for (; begin < end; ++begin, own += together) {
+        const VF x = hn::Mul(hn::Sub(hn::LoadU(f, begin->numbers + j), hn::Set(f, begin->mean)),
+                             hn::Set(f, begin->root));
         for (size_t o = 0; o < together; ++o) {
-            const VF d = hn::Sub(x, hn::Set(f, row[own[o]]));
+            const VF d = hn::Sub(x, hn::Set(f, own[o]));
             sums[o] = hn::MulAdd(d, d, sums[o]);
         }
     }
 }
 
+// What is summed up over the neighbours of one own sample.
+class Mean {
+  public:
+    HWY_INLINE Mean() { std::fill_n(sums_, 5, hn::Zero(f)); }
+    HWY_INLINE void add(VF w, VF r, VF g, VF b) {
+        sums_[0] = hn::Add(sums_[0], w);
+        sums_[1] = hn::MulAdd(w, w, sums_[1]);
+        sums_[2] = hn::MulAdd(w, r, sums_[2]);
+        sums_[3] = hn::MulAdd(w, g, sums_[3]);
+        sums_[4] = hn::MulAdd(w, b, sums_[4]);
+    }
+    HWY_INLINE void get(float* rgb, float& effective) const {
+        const float w = sum_of(sums_[0]), per = 1 / w;
+        for (size_t c = 0; c < 3; ++c) rgb[c] = sum_of(sums_[2 + c]) * per;
+        effective = w * w / sum_of(sums_[1]);
+    }
+
+  private:
+    VF sums_[5];
+};
+
 }  // namespace
 
 void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb,
             const Likeness& likeness, FilterScratch& scratch, SampleColors& out) {
-    const size_t n = around.samples(), own = around.own(), pitch = around.pitch;
-    // Rows that count, each times the root of its weight, so that the loop over pairs only squares
-    // and adds.
-    scratch.features.clear();
-    scratch.colors.clear();
-    size_t used = 0;
-    scratch.rows.resize(around.rows() * pitch);
+    const size_t n = around.samples(), own = around.own();
+    constexpr float log2_e = std::numbers::log2e_v<float>;
+    // Features first, then colours.
+    std::vector<Row>& rows = scratch.rows;
+    rows.clear();
+    size_t features = 0;
     for (size_t k = 0; k < around.rows(); ++k) {
-        const float factor = weights.of_row[k] * likeness.scale;
+        const float factor = weights.of_row[k] * likeness.scale * log2_e;
         if (!(factor > 0) || !(around.scale[k] > 0)) continue;
-        const VF root = hn::Set(f, std::sqrt(factor));
-        const float* from = around.row(k);
-        float* to = &scratch.rows[used * pitch];
-        for (size_t j = 0; j < pitch; j += lanes)
-            hn::StoreU(hn::Mul(hn::LoadU(f, from + j), root), f, to + j);
-        (k >= around.color_row(0) ? scratch.colors : scratch.features)
-            .push_back(std::uint32_t(used++));
+        rows.push_back({around.row(k), around.mean[k], around.scale[k] * std::sqrt(factor)});
+        if (k < around.color_row(0)) features = rows.size();
     }
+    const Row *const begin = rows.data(), *const middle = begin + features,
+                     *const end = begin + rows.size();
     for (std::vector<float>* plane : {&scratch.r, &scratch.g, &scratch.b}) {
-        plane->resize(pitch);
+        plane->resize(around.pitch);
         std::fill(plane->begin() + std::ptrdiff_t(n), plane->end(), 0.0f);
     }
     for (size_t j = 0; j < n; ++j) {
@@ -63,40 +92,40 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
         scratch.b[j] = c[2];
     }
 
-    const VF cutoff = hn::Set(f, likeness.cutoff), zero = hn::Zero(f);
+    const VF cutoff = hn::Set(f, likeness.cutoff * log2_e);
+    scratch.own.resize(rows.size() * together);
+    scratch.weights.resize(together * run);
+    float *const mine = scratch.own.data(), *const w = scratch.weights.data();
     for (size_t i = 0; i < own; i += together) {
-        std::uint32_t index[together];
-        for (size_t o = 0; o < together; ++o) index[o] = std::uint32_t(std::min(i + o, own - 1));
-        VF sum_w[together], sum_ww[together], sum_r[together], sum_g[together], sum_b[together];
-        for (size_t o = 0; o < together; ++o)
-            sum_w[o] = sum_ww[o] = sum_r[o] = sum_g[o] = sum_b[o] = zero;
-        for (size_t j = 0; j < n; j += lanes) {
-            VF features[together], colors[together];
-            distances(scratch.rows.data(), pitch, scratch.features, index, j, features);
-            distances(scratch.rows.data(), pitch, scratch.colors, index, j, colors);
-            const auto there = hn::FirstN(f, std::min(lanes, n - j));
-            const VF r = hn::LoadU(f, &scratch.r[j]), g = hn::LoadU(f, &scratch.g[j]),
-                     b = hn::LoadU(f, &scratch.b[j]);
+        for (size_t k = 0; k < rows.size(); ++k)
+            for (size_t o = 0; o < together; ++o)
+                mine[k * together + o] =
+                    (rows[k].numbers[std::min(i + o, own - 1)] - rows[k].mean) * rows[k].root;
+        Mean mean[together];
+        for (size_t first = 0; first < n; first += run) {
+            const size_t last = std::min(n, first + run);
+            for (size_t j = first; j < last; j += lanes) {
+                VF by_features[together], by_colors[together];
+                distances(begin, middle, mine, j, by_features);
+                distances(middle, end, mine + features * together, j, by_colors);
+                const auto there = hn::FirstN(f, std::min(lanes, n - j));
+                for (size_t o = 0; o < together; ++o) {
+                    const auto near = hn::And(there, hn::And(hn::Lt(by_features[o], cutoff),
+                                                             hn::Lt(by_colors[o], cutoff)));
+                    const VF all = power_of_half(hn::Add(by_features[o], by_colors[o]));
+                    hn::StoreU(hn::IfThenElseZero(near, all), f, w + o * run + j - first);
+                }
+            }
             for (size_t o = 0; o < together; ++o) {
-                const auto near =
-                    hn::And(there, hn::And(hn::Lt(features[o], cutoff), hn::Lt(colors[o], cutoff)));
-                if (hn::AllFalse(f, near)) continue;
-                const VF w = hn::IfThenElseZero(near, falling(hn::Add(features[o], colors[o])));
-                sum_w[o] = hn::Add(sum_w[o], w);
-                sum_ww[o] = hn::MulAdd(w, w, sum_ww[o]);
-                sum_r[o] = hn::MulAdd(w, r, sum_r[o]);
-                sum_g[o] = hn::MulAdd(w, g, sum_g[o]);
-                sum_b[o] = hn::MulAdd(w, b, sum_b[o]);
+                Mean sum = mean[o];
+                for (size_t j = first; j < last; j += lanes)
+                    sum.add(hn::LoadU(f, w + o * run + j - first), hn::LoadU(f, &scratch.r[j]),
+                            hn::LoadU(f, &scratch.g[j]), hn::LoadU(f, &scratch.b[j]));
+                mean[o] = sum;
             }
         }
-        for (size_t o = 0; o < together && i + o < own; ++o) {
-            const float w = sum_of(sum_w[o]), ww = sum_of(sum_ww[o]), per = 1 / w;
-            float* to = &out.rgb[3 * (i + o)];
-            to[0] = sum_of(sum_r[o]) * per;
-            to[1] = sum_of(sum_g[o]) * per;
-            to[2] = sum_of(sum_b[o]) * per;
-            out.effective[i + o] = w * w / ww;
-        }
+        for (size_t o = 0; o < together && i + o < own; ++o)
+            mean[o].get(&out.rgb[3 * (i + o)], out.effective[i + o]);
     }
 }
 

@@ -23,9 +23,18 @@ struct Likeness {
     float cutoff = 6;  // of either exponent: where it is reached the weight is 0
 };
 struct FilterScratch {
-    std::vector<float> rows;
-    std::vector<std::uint32_t> features, colors;
+    // A row that counts: numbers less their mean, times the root of its weight, squared and summed
+    // are exponents of 2.
+    struct Row {
+        const float* numbers;
+        float mean, root;
+    };
+    std::vector<Row> rows;
+    std::vector<float> own, weights;
     std::vector<float> r, g, b;
+};
+struct LayoutScratch {
+    std::vector<float> sums;
 };
 
 // How like two pixels are: distances of their means, noise taken off.
@@ -51,22 +60,23 @@ struct PixelScratch {
 
 // What of a kernel is built for each instruction set.
 #define WEFT_RPF_KERNELS                                                                           \
-    /* The candidates whose vectors lie within `bound` of `centre` in every component: their       \
-     * number, in order. */                                                                        \
-    size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,         \
-                  const float* centre, const float* bound, std::uint32_t* accepted);               \
-    /* Numbers that lie side by side in records, some of which are chosen, side by side in rows    \
-     * instead. */                                                                                 \
-    void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which,        \
-                 size_t pitch, float* rows);                                                       \
-    /* Each row to mean 0 and deviation 1 over its n numbers; 0 where it is constant. */           \
-    void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale,   \
-                   float* low, float* high);                                                       \
+    /* Of each pixel from one on its first samples, `counts` of them or as many as there are.      \
+     * Writes up to 16 past the end, which it gives. */                                            \
+    std::uint32_t* take_first(const Samples& samples, size_t pixel,                                \
+                              std::span<const std::uint16_t> counts, std::uint32_t* to);           \
+    /* Of a neighbourhood that so far has a block's own samples: more of them, the candidates      \
+     * whose vectors lie within `bound` of `centre` in every component, in order; and the rows of  \
+     * all, at a pitch that is set. */                                                             \
+    void take_near(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,        \
+                   const float* centre, const float* bound, LayoutScratch& scratch,                \
+                   Neighbourhoods& out);                                                           \
     /* Which samples of a row fall into each bin but the last, as bits: columns that lie side by   \
-     * side, `pitch` from */                                                                       \
-    /* word to word; and how many fall into each. */                                               \
+     * side, `pitch` from word to word. */                                                         \
     void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns,    \
-                        size_t pitch, std::uint32_t* count);                                       \
+                        size_t pitch);                                                             \
+    /* How many bits columns have. Reads and writes up to whole multiples of 8 columns. */         \
+    void count_each(const std::uint64_t* bits, size_t columns, size_t pitch, size_t words,         \
+                    std::uint32_t* counts);                                                        \
     /* How many bits each of some columns shares with each of others: those of a from one to the   \
      * next of b. Reads and */                                                                     \
     /* writes up to whole multiples of 8 columns of b. */                                          \

@@ -55,9 +55,11 @@ void shift(const BinnedRows& from, size_t by, BinnedRows& to) {
 Edges find_edges(const NumberRow& row, size_t n, Binning binning, size_t bins,
                  std::vector<float>& scratch) {
     if (!(row.low < row.high)) return {};
-    if (binning == Binning::centered) return centered_edges(bins);
-    return binning == Binning::spanned ? spanned_edges(row.low, row.high)
-                                       : rank_edges(row.numbers, n, bins, scratch);
+    if (binning == Binning::rank) return rank_edges(row.numbers, n, bins, scratch);
+    Edges e =
+        binning == Binning::centered ? centered_edges(bins) : spanned_edges(row.low, row.high);
+    for (size_t b = 1; b < e.bins; ++b) e.edge[b - 1] = row.mean + e.edge[b - 1] / row.scale;
+    return e;
 }
 
 }  // namespace
@@ -76,10 +78,20 @@ void sort_rows(std::span<const NumberRow> rows, size_t n, Binning binning, size_
     sorted.words = (n + 63) / 64;
     sorted.pitch = columns;
     sorted.bits.resize(sorted.words * sorted.pitch + BinnedRows::padding);
-    for (size_t i = 0; i < rows.size(); ++i)
-        WEFT_PICK(sort_into_bins)
-        (rows[i].numbers, n, sorted.rows[i].edges, &sorted.bits[sorted.rows[i].first], sorted.pitch,
-         sorted.rows[i].count.data());
+    for (size_t i = 0; i < rows.size(); ++i) WEFT_PICK(sort_into_bins)
+    (rows[i].numbers, n, sorted.rows[i].edges, &sorted.bits[sorted.rows[i].first], sorted.pitch);
+    sorted.counts.resize(columns + BinnedRows::padding);
+    WEFT_PICK(count_each)
+    (sorted.bits.data(), columns, sorted.pitch, sorted.words, sorted.counts.data());
+    for (BinnedRows::Row& row : sorted.rows) {
+        const std::uint32_t* counts = &sorted.counts[row.first];
+        const size_t last = row.bins() - 1;
+        row.count[last] = std::uint32_t(n);
+        for (size_t b = 0; b < last; ++b) {
+            row.count[b] = counts[b];
+            row.count[last] -= counts[b];
+        }
+    }
 }
 
 void MutualInformation::grow_table(size_t n) {

@@ -24,10 +24,12 @@ enum class Correction {
     shuffle,       // by what is left when one row is shifted against the other
 };
 
-// Numbers of mean 0 and deviation 1 in [low, high], readable to whole vectors.
+// Numbers, readable to whole vectors, that are normalised by (x - mean) scale and then lie in
+// [low, high].
 struct NumberRow {
     const float* numbers;
     float low, high;
+    float mean = 0, scale = 1;
 };
 
 // The bins of rows of n numbers. A row of one value has one bin.

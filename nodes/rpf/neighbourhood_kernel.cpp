@@ -11,179 +11,245 @@ namespace weft::rpf::WEFT_ISA {
 
 namespace {
 
-// Records lie too far apart for the processor to see them coming.
-HWY_INLINE void fetch(const float* records, size_t stride, std::span<const std::uint32_t> which,
-                      size_t i) {
-    constexpr size_t ahead = 16, line = 16;
-    const float* next = records + size_t(which[std::min(i + ahead, which.size() - 1)]) * stride;
-    for (size_t k = 0; k < stride; k += line) hwy::Prefetch(next + k);
+// Four numbers each of as many records as a vector has quarters: those 0, 4, 8 and 12 on.
+constexpr hn::FixedTag<float, 4> four{};
+HWY_INLINE VF numbers(const float* const* of, size_t k) {
+#if HWY_TARGET == HWY_SSE4
+    return hn::LoadU(four, of[0] + k);
+#else
+    constexpr hn::FixedTag<float, 8> eight{};
+    const auto low = hn::Combine(eight, hn::LoadU(four, of[4] + k), hn::LoadU(four, of[0] + k));
+#if HWY_TARGET == HWY_AVX2
+    return low;
+#else
+    return hn::Combine(
+        f, hn::Combine(eight, hn::LoadU(four, of[12] + k), hn::LoadU(four, of[8] + k)), low);
+#endif
+#endif
 }
 
+// What lies side by side in records, side by side in rows: numbers k to k + 3 of a vector of
+// records.
+HWY_INLINE void turn(const float* const* of, size_t k, VF* row) {
+    constexpr hn::Repartition<double, F> pairs{};
+    const VF a = numbers(of, k), b = numbers(of + 1, k), c = numbers(of + 2, k),
+             d = numbers(of + 3, k);
+    const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(f, a, b)),
+               ab1 = hn::BitCast(pairs, hn::InterleaveUpper(f, a, b)),
+               cd0 = hn::BitCast(pairs, hn::InterleaveLower(f, c, d)),
+               cd1 = hn::BitCast(pairs, hn::InterleaveUpper(f, c, d));
+    row[0] = hn::BitCast(f, hn::InterleaveLower(pairs, ab0, cd0));
+    row[1] = hn::BitCast(f, hn::InterleaveUpper(pairs, ab0, cd0));
+    row[2] = hn::BitCast(f, hn::InterleaveLower(pairs, ab1, cd1));
+    row[3] = hn::BitCast(f, hn::InterleaveUpper(pairs, ab1, cd1));
+}
+
+constexpr size_t rows_at_once = 4, records_at_once = 128;
+
+// Of a row, lane by lane, by differences to its first number, so that sums keep their digits where
+// it hardly varies.
+struct Sums {
+    VF sum, squares, least, most;
+};
+constexpr size_t of_sums = 4 * lanes;  // numbers
+
+HWY_INLINE Sums load_sums(const float* from) {
+    return {hn::LoadU(f, from), hn::LoadU(f, from + lanes), hn::LoadU(f, from + 2 * lanes),
+            hn::LoadU(f, from + 3 * lanes)};
+}
+HWY_INLINE void store_sums(const Sums& s, float* to) {
+    hn::StoreU(s.sum, f, to);
+    hn::StoreU(s.squares, f, to + lanes);
+    hn::StoreU(s.least, f, to + 2 * lanes);
+    hn::StoreU(s.most, f, to + 3 * lanes);
+}
+
+// Four rows of some records, `last` of which are of the last vector.
+HWY_INLINE void lay_out_some(const float* const* of, size_t vectors, size_t last, size_t k,
+                             const float* first, size_t pitch, float* rows, float* sums) {
+    VF base[rows_at_once];
+    Sums s[rows_at_once];
+    for (size_t r = 0; r < rows_at_once; ++r) {
+        base[r] = hn::Set(f, first[k + r]);
+        s[r] = load_sums(sums + r * of_sums);
+    }
+    const auto add = [&](size_t v, auto&& present) HWY_ATTR {
+        VF row[rows_at_once];
+        turn(of + v * lanes, k, row);
+        for (size_t r = 0; r < rows_at_once; ++r) {
+            hn::StoreU(present(row[r]), f, rows + r * pitch + v * lanes);
+            const VF x = present(hn::Sub(row[r], base[r]));
+            s[r].sum = hn::Add(s[r].sum, x);
+            s[r].squares = hn::MulAdd(x, x, s[r].squares);
+            s[r].least = hn::Min(s[r].least, x);
+            s[r].most = hn::Max(s[r].most, x);
+        }
+    };
+    const size_t whole = vectors - (last < lanes);
+    for (size_t v = 0; v < whole; ++v) add(v, [](VF x) HWY_ATTR { return x; });
+    if (whole < vectors)
+        add(whole, [&](VF x) HWY_ATTR { return hn::IfThenElseZero(hn::FirstN(f, last), x); });
+    for (size_t r = 0; r < rows_at_once; ++r) store_sums(s[r], sums + r * of_sums);
+}
+
+// The rows of a neighbourhood, as its samples are found.
+class Rows {
+  public:
+    Rows(const SampleVectors& vectors, LayoutScratch& scratch, Neighbourhoods& out)
+        : vectors_(vectors),
+          scratch_(scratch),
+          out_(out),
+          rows_((vectors.stride() + rows_at_once - 1) / rows_at_once * rows_at_once) {
+        out.values.resize(rows_ * out.pitch);
+        for (auto* of_row : {&out.mean, &out.scale, &out.low, &out.high})
+            of_row->assign(vectors.stride(), 0.0f);
+        scratch.sums.assign(rows_ * of_sums, 0.0f);
+    }
+
+    // Those of the first n samples that are not yet there; only as many as are laid out at once,
+    // unless they are `all`.
+    HWY_NOINLINE void add(size_t n, bool all) {
+        while (done_ < n && (all || n - done_ >= records_at_once)) {
+            const size_t some = std::min(records_at_once, n - done_),
+                         vectors = (some + lanes - 1) / lanes;
+            const float* const first = vectors_.of(out_.sample[0]);
+            const float* of[records_at_once + lanes];
+            for (size_t i = 0; i < some; ++i) of[i] = vectors_.of(out_.sample[done_ + i]);
+            std::fill(of + some, of + vectors * lanes, first);
+            for (size_t k = 0; k < rows_; k += rows_at_once)
+                lay_out_some(of, vectors, some - (vectors - 1) * lanes, k, first, out_.pitch,
+                             &out_.values[k * out_.pitch + done_], &scratch_.sums[k * of_sums]);
+            done_ += some;
+        }
+    }
+
+    // What they come to.
+    void finish() {
+        if (done_ == 0) return;
+        const auto n = double(done_);
+        const float* const first = vectors_.of(out_.sample[0]);
+        for (size_t k = 0; k < vectors_.stride(); ++k) {
+            const Sums s = load_sums(&scratch_.sums[k * of_sums]);
+            const double sum = double(sum_of(s.sum)), squares = double(sum_of(s.squares)),
+                         off = sum / n, mean = double(first[k]) + off;
+            const double deviation =
+                std::sqrt(std::max(0.0, squares - sum * off) / std::max(1.0, n - 1));
+            // What is less than rounding is no variation.
+            const bool varies = deviation > 1e-6 * std::max(std::abs(mean), 1e-6);
+            const double scale = varies ? 1 / deviation : 0;
+            out_.mean[k] = float(mean);
+            out_.scale[k] = float(scale);
+            out_.low[k] = float((double(hn::GetLane(hn::MinOfLanes(f, s.least))) - off) * scale);
+            out_.high[k] = float((double(hn::GetLane(hn::MaxOfLanes(f, s.most))) - off) * scale);
+        }
+    }
+
+  private:
+    const SampleVectors& vectors_;
+    LayoutScratch& scratch_;
+    Neighbourhoods& out_;
+    size_t rows_, done_ = 0;
+};
+
 }  // namespace
+
+namespace {
 
 // One comparison of whole vectors, features first: what is not clustered has an infinite bound.
-size_t accept(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,
-              const float* centre, const float* bound, std::uint32_t* accepted) {
-    size_t first = vectors.components.size(), last = 0;
-    for (size_t k = 0; k < vectors.components.size(); ++k)
-        if (!(bound[k] > 3e38f)) {
-            first = std::min(first, k);
-            last = k + 1;
-        }
-    size_t found = 0;
-    const auto take = [&](auto&& inside) HWY_ATTR {
-        for (size_t i = 0; i < candidates.size(); ++i) {
-            fetch(vectors.values.data(), vectors.stride, candidates, i);
-            accepted[found] = candidates[i];
-            found += inside(vectors.of(candidates[i]));
-        }
-    };
-    const auto within = [&](const float* of, size_t k) HWY_ATTR {
-        return hn::Le(hn::Abs(hn::Sub(hn::LoadU(f, of + k), hn::LoadU(f, centre + k))),
-                      hn::LoadU(f, bound + k));
-    };
-    if (last <= first + lanes) {
-        take([&](const float* of) HWY_ATTR { return hn::AllTrue(f, within(of, first)); });
-    } else if (last <= first + 2 * lanes) {
-        take([&](const float* of) HWY_ATTR {
-            return hn::AllTrue(f, hn::And(within(of, first), within(of, first + lanes)));
-        });
-    } else {
-        take([&](const float* of) HWY_ATTR {
-            bool inside = true;
-            for (size_t k = first; k < last; k += lanes) inside &= hn::AllTrue(f, within(of, k));
-            return inside;
-        });
+class Near {
+  public:
+    Near(const SampleVectors& vectors, const float* centre, const float* bound)
+        : vectors_(vectors), centre_(centre), bound_(bound), first_(vectors.components.size()) {
+        for (size_t k = 0; k < vectors.components.size(); ++k)
+            if (!(bound[k] > 3e38f)) {
+                first_ = std::min(first_, k);
+                last_ = k + 1;
+            }
     }
-    return found;
-}
+    // Of candidates [begin, end).
+    HWY_INLINE size_t take(std::span<const std::uint32_t> candidates, size_t begin, size_t end,
+                           std::uint32_t* to) const {
+        if (last_ <= first_ + lanes) return compare<1>(candidates, begin, end, to);
+        if (last_ <= first_ + 2 * lanes) return compare<2>(candidates, begin, end, to);
+        return compare<0>(candidates, begin, end, to);
+    }
 
-namespace {
-
-// Four numbers each of four records, or of eight, those of the later four in the upper half.
-#if HWY_TARGET == HWY_SSE4
-using Records = hn::FixedTag<float, 4>;
-#else
-using Records = hn::FixedTag<float, 8>;
-#endif
-constexpr Records part{};
-constexpr size_t records_at_once = hn::MaxLanes(Records());
-
-HWY_INLINE hn::Vec<Records> numbers(const float* const* of, size_t i, size_t k) {
-#if HWY_TARGET == HWY_SSE4
-    return hn::LoadU(part, of[i] + k);
-#else
-    const hn::Half<Records> half;
-    return hn::Combine(part, hn::LoadU(half, of[i + 4] + k), hn::LoadU(half, of[i] + k));
-#endif
-}
+  private:
+    static constexpr size_t ahead = 16;
+    // `vectors` that are compared, or 0: as many as it takes.
+    template <size_t vectors>
+    HWY_NOINLINE size_t compare(std::span<const std::uint32_t> candidates, size_t begin, size_t end,
+                                std::uint32_t* to) const {
+        const size_t stride = vectors_.stride(), first = first_,
+                     last = vectors > 0 ? first + vectors * lanes : last_;
+        const float *const records = vectors_.values.data(), *const centre = centre_,
+                           *const bound = bound_;
+        size_t found = 0;
+        const auto test = [&](size_t c) HWY_ATTR {
+            const float* of = records + candidates[c] * stride;
+            to[found] = candidates[c];
+            auto inside = within(of + first, centre + first, bound + first);
+            for (size_t k = first + lanes; k < last; k += lanes)
+                inside = hn::And(inside, within(of + k, centre + k, bound + k));
+            found += hn::AllTrue(f, inside);
+        };
+        size_t c = begin;
+        for (const size_t seen = std::min(end + ahead, candidates.size()); c + ahead < seen; ++c) {
+            // Records lie too far apart for the processor to see them coming.
+            const float* next = records + candidates[c + ahead] * stride;
+            hwy::Prefetch(next);
+            hwy::Prefetch(next + stride - 1);
+            test(c);
+        }
+        for (; c < end; ++c) test(c);
+        return found;
+    }
+    static HWY_INLINE auto within(const float* of, const float* centre, const float* bound) {
+        return hn::Le(hn::Abs(hn::Sub(hn::LoadU(f, of), hn::LoadU(f, centre))),
+                      hn::LoadU(f, bound));
+    }
+    const SampleVectors& vectors_;
+    const float *centre_, *bound_;
+    size_t first_, last_ = 0;
+};
 
 }  // namespace
 
-// Blocks of records by four numbers at a time: what lies side by side in a record comes to lie side
-// by side in a row.
-void lay_out(const float* records, size_t stride, std::span<const std::uint32_t> which,
-             size_t pitch, float* rows) {
-    const hn::Repartition<double, Records> pairs;
-    const auto of = [&](size_t i) { return records + size_t(which[i]) * stride; };
-    const size_t n = which.size(), whole = n / records_at_once * records_at_once;
-    for (size_t i = 0; i < whole; i += records_at_once) {
-        const float* block[records_at_once];
-        for (size_t j = 0; j < records_at_once; ++j) block[j] = of(i + j);
-        float* to = rows + i;
-        for (size_t k = 0; k < stride; k += 4, to += 4 * pitch) {
-            const auto a = numbers(block, 0, k), b = numbers(block, 1, k), c = numbers(block, 2, k),
-                       d = numbers(block, 3, k);
-            const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(part, a, b)),
-                       ab1 = hn::BitCast(pairs, hn::InterleaveUpper(part, a, b));
-            const auto cd0 = hn::BitCast(pairs, hn::InterleaveLower(part, c, d)),
-                       cd1 = hn::BitCast(pairs, hn::InterleaveUpper(part, c, d));
-            hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab0, cd0)), part, to);
-            hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab0, cd0)), part, to + pitch);
-            hn::StoreU(hn::BitCast(part, hn::InterleaveLower(pairs, ab1, cd1)), part,
-                       to + 2 * pitch);
-            hn::StoreU(hn::BitCast(part, hn::InterleaveUpper(pairs, ab1, cd1)), part,
-                       to + 3 * pitch);
-        }
+// Some candidates at a time, whose records then are at hand when they are laid out.
+void take_near(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,
+               const float* centre, const float* bound, LayoutScratch& scratch,
+               Neighbourhoods& out) {
+    Rows rows(vectors, scratch, out);
+    const Near near(vectors, centre, bound);
+    size_t n = out.sample.size();
+    out.sample.resize(n + candidates.size());
+    for (size_t i = 0; i < candidates.size(); i += records_at_once) {
+        n += near.take(candidates, i, std::min(candidates.size(), i + records_at_once),
+                       &out.sample[n]);
+        rows.add(n, false);
     }
-    for (size_t i = whole; i < n; ++i)
-        for (size_t k = 0; k < stride; ++k) rows[k * pitch + i] = of(i)[k];
-    for (size_t row = 0; row < stride; ++row)
-        std::fill(rows + row * pitch + n, rows + (row + 1) * pitch, 0.0f);
+    out.sample.resize(n);
+    rows.add(n, true);
+    rows.finish();
 }
 
-namespace {
-
-// Rows that are gone through together, as one sum alone waits for itself.
-constexpr size_t rows_at_once = 4;
-
-template <size_t rows>
-HWY_INLINE void normalise_some(float* const* row, size_t n, float* mean, float* scale, float* low,
-                               float* high) {
-    // Vector by vector; of the last those numbers that there are.
-    const auto each = [&](auto&& step) HWY_ATTR {
+// Some are written whether taken or not, which is sooner done than asked.
+std::uint32_t* take_first(const Samples& samples, size_t pixel,
+                          std::span<const std::uint16_t> counts, std::uint32_t* to) {
+    constexpr hn::CappedTag<std::uint32_t, 8> whole{};
+    const auto one_by_one = hn::Iota(whole, 0);
+    for (const std::uint16_t count : counts) {
+        const auto [begin, end] = samples.of_pixel(pixel++);
+        const size_t taken = std::min<size_t>(count, end - begin);
         size_t i = 0;
-        for (; i + lanes <= n; i += lanes) step(i, [](VF v) HWY_ATTR { return v; });
-        if (i < n)
-            step(i, [&](VF v) HWY_ATTR { return hn::IfThenElseZero(hn::FirstN(f, n - i), v); });
-    };
-    // Moved by its first number, so that sums keep their digits where a row hardly varies.
-    VF base[rows], sum[rows], least[rows], most[rows];
-    for (size_t r = 0; r < rows; ++r) {
-        base[r] = hn::Set(f, row[r][0]);
-        sum[r] = least[r] = most[r] = hn::Zero(f);
+        do {
+            hn::StoreU(hn::Add(hn::Set(whole, std::uint32_t(begin + i)), one_by_one), whole,
+                       to + i);
+            i += hn::MaxLanes(whole);
+        } while (i < taken);
+        to += taken;
     }
-    each([&](size_t i, auto&& present) HWY_ATTR {
-        for (size_t r = 0; r < rows; ++r) {
-            const VF x = present(hn::Sub(hn::LoadU(f, row[r] + i), base[r]));
-            sum[r] = hn::Add(sum[r], x);
-            least[r] = hn::Min(least[r], x);
-            most[r] = hn::Max(most[r], x);
-        }
-    });
-    float off[rows];
-    VF centre[rows], squares[rows];
-    for (size_t r = 0; r < rows; ++r) {
-        off[r] = sum_of(sum[r]) / float(n);
-        mean[r] = row[r][0] + off[r];
-        centre[r] = hn::Set(f, mean[r]);
-        squares[r] = hn::Zero(f);
-    }
-    each([&](size_t i, auto&& present) HWY_ATTR {
-        for (size_t r = 0; r < rows; ++r) {
-            const VF x = present(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]));
-            squares[r] = hn::MulAdd(x, x, squares[r]);
-        }
-    });
-    for (size_t r = 0; r < rows; ++r) {
-        const float deviation = std::sqrt(sum_of(squares[r]) / std::max(1.0f, float(n) - 1));
-        // What is less than rounding is no variation.
-        const bool varies = deviation > 1e-6f * std::max(std::abs(mean[r]), 1e-6f);
-        scale[r] = varies ? 1 / deviation : 0.0f;
-        low[r] = (hn::GetLane(hn::MinOfLanes(f, least[r])) - off[r]) * scale[r];
-        high[r] = (hn::GetLane(hn::MaxOfLanes(f, most[r])) - off[r]) * scale[r];
-        const VF by = hn::Set(f, scale[r]);
-        each([&](size_t i, auto&& present) HWY_ATTR {
-            hn::StoreU(present(hn::Mul(hn::Sub(hn::LoadU(f, row[r] + i), centre[r]), by)), f,
-                       row[r] + i);
-        });
-    }
-}
-
-}  // namespace
-
-void normalise(float* rows, size_t count, size_t n, size_t pitch, float* mean, float* scale,
-               float* low, float* high) {
-    size_t k = 0;
-    for (; k + rows_at_once <= count; k += rows_at_once) {
-        float* const row[rows_at_once] = {rows + k * pitch, rows + (k + 1) * pitch,
-                                          rows + (k + 2) * pitch, rows + (k + 3) * pitch};
-        normalise_some<rows_at_once>(row, n, mean + k, scale + k, low + k, high + k);
-    }
-    for (; k < count; ++k) {
-        float* const row[1] = {rows + k * pitch};
-        normalise_some<1>(row, n, mean + k, scale + k, low + k, high + k);
-    }
+    return to;
 }
 
 }  // namespace weft::rpf::WEFT_ISA

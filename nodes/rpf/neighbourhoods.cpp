@@ -75,12 +75,18 @@ struct NeighbourhoodsNode {
             .param("seed", &NeighbourhoodsNode::seed, {.about = "of all random choices"});
     }
 
+    struct Clustered {
+        size_t component;
+        float sigmas;  // deviations of the block's own that it may be off
+    };
     struct Scratch {
+        std::vector<Clustered> clustered;
         Places places;
         DrawSettings by;
         DrawScratch draw;
         std::vector<std::uint32_t> drawn, statistics;
         std::vector<float> centre, bound;
+        LayoutScratch layout;
         const SampleVectors* of = nullptr;
     };
 
@@ -115,34 +121,19 @@ struct NeighbourhoodsNode {
         draw(v.samples, scratch.by, scratch.places, at, scratch.draw, scratch.drawn);
         if (!v.whole.empty())
             std::erase_if(scratch.drawn, [&](std::uint32_t i) { return !v.is_whole(i); });
-        take_neighbours(v, at, scratch, n);
-
-        n.pitch = (n.samples() + Neighbourhoods::padding - 1) / Neighbourhoods::padding *
+        if (n.own() == 0) scratch.drawn.clear();
+        find_bounds(v, at, n, scratch);
+        // An odd number of cache lines, so that rows never all fall into one set of a cache.
+        n.pitch = ((n.own() + scratch.drawn.size() + Neighbourhoods::padding - 1) /
+                       Neighbourhoods::padding |
+                   1) *
                   Neighbourhoods::padding;
-        n.values.resize(n.rows() * n.pitch);
-        n.mean.resize(n.rows());
-        n.scale.resize(n.rows());
-        n.low.resize(n.rows());
-        n.high.resize(n.rows());
-        WEFT_PICK(lay_out)(v.values.data(), v.stride, n.sample, n.pitch, n.values.data());
-        lay_out_colors(v, n);
-        if (n.samples() > 0)
-            WEFT_PICK(normalise)
-            (n.values.data(), n.rows(), n.samples(), n.pitch, n.mean.data(), n.scale.data(),
-             n.low.data(), n.high.data());
+        WEFT_PICK(take_near)
+        (v, scratch.drawn, scratch.centre.data(), scratch.bound.data(), scratch.layout, n);
         return true;
     }
 
   private:
-    static void lay_out_colors(const SampleVectors& v, Neighbourhoods& n) {
-        const float* rgb = v.samples.rgb().data();
-        float* to = &n.values[n.color_row(0) * n.pitch];
-        for (size_t i = 0; i < n.samples(); ++i)
-            for (size_t c = 0; c < 3; ++c) to[c * n.pitch + i] = rgb[3 * size_t(n.sample[i]) + c];
-        for (size_t c = 0; c < 3; ++c)
-            std::fill(to + c * n.pitch + n.samples(), to + (c + 1) * n.pitch, 0.0f);
-    }
-
     void prepare(const SampleVectors& v, Scratch& scratch) const {
         if (scratch.of == &v) return;
         scratch.of = &v;
@@ -154,6 +145,14 @@ struct NeighbourhoodsNode {
             scratch.by.draws =
                 size_t(std::lround(double(fraction) * double(box) * double(box) * spp));
         scratch.places = make_places(scratch.by);
+        scratch.clustered.clear();
+        for (size_t k = 0; k < v.components.size() && cluster; ++k) {
+            const std::string& name = v.channels[size_t(v.components[k].channel)];
+            if (v.components[k].role == Role::feature &&
+                (cluster_on == ClusterOn::all || !name.ends_with('2')))
+                scratch.clustered.push_back(
+                    {k, name.starts_with("position") ? position_sigma : cluster_sigma});
+        }
     }
 
     static void take_own(const SampleVectors& v, PixelBlock at, Neighbourhoods& n) {
@@ -171,24 +170,14 @@ struct NeighbourhoodsNode {
             }
     }
 
-    // Those drawn whose features are near the mean of the block's own.
-    void take_neighbours(const SampleVectors& v, PixelBlock at, Scratch& scratch,
-                         Neighbourhoods& n) const {
-        if (n.own() == 0) return;
-        const size_t own = n.own();
-        n.sample.resize(own + scratch.drawn.size());
-        if (!cluster) {
-            std::copy(scratch.drawn.begin(), scratch.drawn.end(),
-                      n.sample.begin() + std::ptrdiff_t(own));
-            return;
-        }
-        find_bounds(v, at, n, scratch);
-        n.sample.resize(own + WEFT_PICK(accept)(v, scratch.drawn, scratch.centre.data(),
-                                                scratch.bound.data(), &n.sample[own]));
-    }
-
+    // What features may be for a sample to be near the mean of the block's own. As long as whole
+    // vectors read.
     void find_bounds(const SampleVectors& v, PixelBlock at, const Neighbourhoods& n,
                      Scratch& scratch) const {
+        scratch.centre.assign(v.stride() + Neighbourhoods::padding, 0.0f);
+        scratch.bound.assign(v.stride() + Neighbourhoods::padding,
+                             std::numeric_limits<float>::infinity());
+        if (n.own() == 0) return;
         std::vector<std::uint32_t>& from = scratch.statistics;
         from.assign(n.sample.begin(), n.sample.begin() + std::ptrdiff_t(n.own()));
         if (from.size() < 4) {
@@ -201,15 +190,7 @@ struct NeighbourhoodsNode {
                         if (v.is_whole(i)) from.push_back(std::uint32_t(i));
                 }
         }
-        // As long as whole vectors read.
-        scratch.centre.assign(v.stride + Neighbourhoods::padding, 0.0f);
-        scratch.bound.assign(v.stride + Neighbourhoods::padding,
-                             std::numeric_limits<float>::infinity());
-        for (size_t k = 0; k < v.components.size(); ++k) {
-            const std::string& name = v.channels[size_t(v.components[k].channel)];
-            if (v.components[k].role != Role::feature ||
-                (cluster_on == ClusterOn::first_hit && name.ends_with('2')))
-                continue;
+        for (const auto& [k, sigmas] : scratch.clustered) {
             double sum = 0, squares = 0;
             const double base = double(v.of(from[0])[k]);
             for (const std::uint32_t i : from) {
@@ -221,14 +202,13 @@ struct NeighbourhoodsNode {
             const auto deviation = float(
                 std::sqrt(std::max(0.0, squares - count * mean * mean) / std::max(1.0, count - 1)));
             scratch.centre[k] = float(base + mean);
-            const float far =
-                (name.starts_with("position") ? position_sigma : cluster_sigma) * deviation;
+            const float far = sigmas * deviation;
             scratch.bound[k] = deviation < cluster_epsilon ? std::max(far, cluster_epsilon) : far;
         }
     }
 };
 
-WEFT_NODE(NeighbourhoodsNode, "neighbourhoods", 2)
+WEFT_NODE(NeighbourhoodsNode, "neighbourhoods", 3)
 
 }  // namespace
 }  // namespace weft

@@ -12,8 +12,7 @@ constexpr int rows_at_once = 8;
 // sums keep their digits.
 class PixelSums {
   public:
-    explicit PixelSums(const SampleVectors& v)
-        : v_(v), rgb_(v.samples.rgb()), values_(v.components.size() - v.pixels.first + 3) {
+    explicit PixelSums(const SampleVectors& v) : v_(v), values_(v.stride() - v.pixels.first) {
         sum_.resize(values_);
         square_.resize(values_);
     }
@@ -27,18 +26,12 @@ class PixelSums {
             if (!v_.is_whole(j)) continue;
             if (n_++ == 0) base_ = j;
             const float *a = v_.of(j) + v_.pixels.first, *b = v_.of(base_) + v_.pixels.first;
-            for (size_t k = 0; k + 3 < values_; ++k) add(k, a[k] - b[k]);
-            for (size_t c = 0; c < 3; ++c)
-                add(values_ - 3 + c, rgb_[3 * j + c] - rgb_[3 * base_ + c]);
+            for (size_t k = 0; k < values_; ++k) add(k, a[k] - b[k]);
         }
         return n_;
     }
     // Of value k: feature components, then colours.
-    float mean(size_t k) const {
-        const float first =
-            k + 3 < values_ ? v_.of(base_)[v_.pixels.first + k] : rgb_[3 * base_ + k + 3 - values_];
-        return first + sum_[k] / float(n_);
-    }
+    float mean(size_t k) const { return v_.of(base_)[v_.pixels.first + k] + sum_[k] / float(n_); }
     float variance(size_t k) const {
         return n_ < 2 ? 0.0f
                       : std::max(0.0f, square_[k] - sum_[k] * sum_[k] / float(n_)) / float(n_ - 1);
@@ -50,7 +43,6 @@ class PixelSums {
         square_[k] += x * x;
     }
     const SampleVectors& v_;
-    std::span<const float> rgb_;
     size_t values_, n_ = 0, base_ = 0;
     std::vector<float> sum_, square_;
 };

@@ -1,7 +1,7 @@
 // The vectors that random parameter filtering compares: of each sample its position on the film,
-// its random parameters and its scene features, side by side, so that a sample drawn from a
-// neighbourhood is one place in memory. Colours stay in the samples. Source: Sen and Darabi 2012,
-// Sec. 3 (the sample vector x = (p, r, f, c)).
+// its random parameters, its scene features and its colour, side by side, so that a sample drawn
+// from a neighbourhood is one place in memory. Source: Sen and Darabi 2012, Sec. 3 (the sample
+// vector x = (p, r, f, c)).
 #pragma once
 #include <cstdint>
 #include <string>
@@ -55,15 +55,16 @@ struct SampleVectors {
     Samples samples;                    // what they were made of
     std::vector<std::string> channels;  // xy first, then random parameters, then features
     std::vector<VectorComponent> components;
-    size_t stride = 0;  // floats from sample to sample: components, filled up to a multiple of 4
-    LargeArray<float> values;  // size x stride, and some to read past the end
+    LargeArray<float> values;  // size x stride(), and some to read past the end
     std::vector<std::uint8_t>
         whole;  // of each sample: 0 where a number is not finite; empty: all are whole
 
     PixelStatistics pixels;
 
     size_t size() const { return samples.size(); }
-    const float* of(size_t sample) const { return &values[sample * stride]; }
+    // Floats from sample to sample: components, then red, green and blue.
+    size_t stride() const { return components.size() + 3; }
+    const float* of(size_t sample) const { return &values[sample * stride()]; }
     bool is_whole(size_t sample) const { return whole.empty() || whole[sample] != 0; }
     // Index of a channel's first component and one past its last.
     struct Range {

@@ -17,9 +17,9 @@ struct PixelBlock {
 };
 
 // Samples around a block that the block's own are compared with, its own first. What is known of
-// them are rows of numbers, a row a component of the vectors (stride of them) and then one a
-// colour, normalised: (x - mean) scale, with the mean and 1 / deviation over the neighbourhood. A
-// row that is constant there is 0 and has scale 0.
+// them are rows of numbers, a row a number of the vectors, as they are; normalised they are
+// (x - mean) scale, with the mean and 1 / deviation over the neighbourhood. A row that is constant
+// there has scale 0.
 struct Neighbourhoods : Batch {
     static constexpr size_t padding = 16;  // numbers past a row's end that may be read
 
@@ -30,13 +30,13 @@ struct Neighbourhoods : Batch {
         own_offset;  // of pixel p of the block are samples [own_offset[p], own_offset[p + 1])
     std::vector<std::uint32_t> sample;  // index in the vectors
     size_t pitch = 0;                   // from row to row: whole vectors, 0 past the last sample
-    std::vector<float> values;          // rows() x pitch
+    LargeArray<float> values;           // rows() x pitch, and some rows more
     std::vector<float> mean, scale;     // of each row
     std::vector<float> low, high;       // of each row, normalised: its least and its largest number
     std::vector<std::uint32_t> own_record;  // what the base's span looks at
 
-    size_t rows() const { return vectors->stride + 3; }
-    size_t color_row(size_t k) const { return vectors->stride + k; }
+    size_t rows() const { return vectors->stride(); }
+    size_t color_row(size_t k) const { return vectors->components.size() + k; }
     size_t samples() const { return sample.size(); }
     size_t own() const { return own_offset.empty() ? 0 : own_offset.back(); }
     const float* row(size_t i) const { return &values[i * pitch]; }
@@ -69,7 +69,7 @@ struct SampleColors : Batch {
 };
 
 WEFT_STREAM_TYPE(Neighbourhoods, "Neighbourhoods",
-                 "the samples around each block of pixels, normalised")
+                 "the samples around each block of pixels, with their mean and deviation")
 WEFT_STREAM_TYPE(Weights, "Weights", "what each feature and colour counts in a block's filter")
 WEFT_STREAM_TYPE(SampleColors, "SampleColors", "filtered colours of each block's own samples")
 

@@ -132,7 +132,7 @@ void weigh_pixels(const SampleVectors& vectors, PixelBlock block, const Weights&
             scratch.beta[g] += weights.of_row[k];
         scratch.beta[g] /= float(p.groups[g].end - p.groups[g].begin);
     }
-    const size_t colors = vectors.stride;
+    const size_t colors = vectors.components.size();
     const VF alpha = hn::Set(
         f, (weights.of_row[colors] + weights.of_row[colors + 1] + weights.of_row[colors + 2]) / 3);
 

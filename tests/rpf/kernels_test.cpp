@@ -11,27 +11,35 @@ Samples textured(int spp) {
         [](const Drawn& d) { return d.x > 11 ? 0.8f : 0.1f + 0.05f * d.u; });
 }
 
-// A neighbourhood of everything, normalised.
-Neighbourhoods everything(const SampleVectors& v, size_t own) {
+// A pixel of the first `own` samples, about to look at the others.
+Neighbourhoods alone(const SampleVectors& v, size_t own) {
     Neighbourhoods n;
     n.vectors = &v;
     n.block = {0, 0, 1, 1};
     n.own_pixels = {0};
     n.own_offset = {0, std::uint32_t(own)};
-    for (size_t i = 0; i < v.size(); ++i) n.sample.push_back(std::uint32_t(i));
-    n.pitch = (n.samples() + 15) / 16 * 16;
-    n.values.assign(n.rows() * n.pitch, 0.0f);
-    n.mean.resize(n.rows());
-    n.scale.resize(n.rows());
-    n.low.resize(n.rows());
-    n.high.resize(n.rows());
-    WEFT_PICK(lay_out)(v.values.data(), v.stride, n.sample, n.pitch, n.values.data());
-    for (size_t i = 0; i < n.samples(); ++i)
-        for (size_t c = 0; c < 3; ++c)
-            n.values[n.color_row(c) * n.pitch + i] = v.samples.rgb()[3 * i + c];
-    WEFT_PICK(normalise)
-    (n.values.data(), n.rows(), n.samples(), n.pitch, n.mean.data(), n.scale.data(), n.low.data(),
-     n.high.data());
+    for (size_t i = 0; i < own; ++i) n.sample.push_back(std::uint32_t(i));
+    n.pitch = (v.size() + 15) / 16 * 16;
+    return n;
+}
+struct Bounds {
+    std::vector<float> centre, bound;
+    explicit Bounds(const SampleVectors& v)
+        : centre(v.stride() + 16, 0.0f),
+          bound(v.stride() + 16, std::numeric_limits<float>::infinity()) {}
+};
+void take_near(const SampleVectors& v, const std::vector<std::uint32_t>& candidates,
+               const Bounds& by, Neighbourhoods& n) {
+    LayoutScratch scratch;
+    WEFT_PICK(take_near)(v, candidates, by.centre.data(), by.bound.data(), scratch, n);
+}
+
+// A neighbourhood of everything.
+Neighbourhoods everything(const SampleVectors& v, size_t own) {
+    Neighbourhoods n = alone(v, own);
+    std::vector<std::uint32_t> others;
+    for (size_t i = own; i < v.size(); ++i) others.push_back(std::uint32_t(i));
+    take_near(v, others, Bounds(v), n);
     return n;
 }
 
@@ -50,37 +58,73 @@ class Kernels : public testing::TestWithParam<Isa> {
     PinnedIsa pinned{GetParam()};
 };
 
-TEST_P(Kernels, accept_what_is_within_bounds) {
+TEST_P(Kernels, take_what_is_within_bounds) {
     const SampleVectors v = vectors_of(textured(3));
-    std::vector<float> centre(v.stride + 16, 0.0f),
-        bound(v.stride + 16, std::numeric_limits<float>::infinity());
+    Bounds by(v);
     for (size_t k = 7; k < v.components.size(); ++k) {
-        centre[k] = v.of(100)[k];
-        bound[k] = k % 2 ? 0.3f : 0.5f;
+        by.centre[k] = v.of(100)[k];
+        by.bound[k] = k % 2 ? 0.3f : 0.5f;
     }
-    std::vector<std::uint32_t> candidates, accepted(v.size());
+    std::vector<std::uint32_t> candidates;
     for (size_t i = 0; i < v.size(); i += 2) candidates.push_back(std::uint32_t(i));
-    accepted.resize(WEFT_PICK(accept)(v, candidates, centre.data(), bound.data(), accepted.data()));
-    EXPECT_EQ(accepted, reference::accept(v, candidates, centre.data(), bound.data()));
-    EXPECT_GT(accepted.size(), 10u);
-    EXPECT_LT(accepted.size(), candidates.size());
+    Neighbourhoods n = alone(v, 3);
+    take_near(v, candidates, by, n);
+    const std::vector<std::uint32_t> own(n.sample.begin(), n.sample.begin() + 3),
+        taken(n.sample.begin() + 3, n.sample.end());
+    EXPECT_EQ(own, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(taken, reference::accept(v, candidates, by.centre.data(), by.bound.data()));
+    EXPECT_GT(taken.size(), 10u);
+    EXPECT_LT(taken.size(), candidates.size());
+    Neighbourhoods none = alone(v, 3);
+    take_near(v, {}, by, none);
+    EXPECT_EQ(none.sample, own);
 }
 
-TEST_P(Kernels, normalise_to_mean_zero_and_deviation_one) {
+TEST_P(Kernels, take_the_first_of_each_pixel) {
+    const Samples samples = feature_samples(
+        5, 2, [](size_t pixel) { return pixel * 7 % 40; }, [](const Drawn& d) { return d.l; },
+        [](const Drawn&) { return 0.5f; });
+    const std::vector<std::uint16_t> counts{3, 0, 5, 40, 9, 22};
+    std::vector<std::uint32_t> taken(100), expected;
+    taken.resize(size_t(WEFT_PICK(take_first)(samples, 2, counts, taken.data()) - taken.data()));
+    for (size_t i = 0; i < counts.size(); ++i) {
+        const auto [begin, end] = samples.of_pixel(2 + i);
+        for (size_t j = begin; j < std::min(end, begin + counts[i]); ++j)
+            expected.push_back(std::uint32_t(j));
+    }
+    EXPECT_EQ(taken, expected);
+}
+
+TEST_P(Kernels, lay_out_rows_with_mean_and_deviation) {
     const SampleVectors v = vectors_of(textured(3));
-    const Neighbourhoods n = everything(v, 4);
-    for (size_t k = 0; k < n.rows(); ++k) {
-        if (k >= v.components.size() && k < v.stride) continue;  // only there to fill
-        double sum = 0, square = 0;
-        for (size_t i = 0; i < n.samples(); ++i) {
-            sum += double(n.row(k)[i]);
-            square += double(n.row(k)[i]) * double(n.row(k)[i]);
-            EXPECT_GE(n.row(k)[i], n.low[k] - 1e-3f);
-            EXPECT_LE(n.row(k)[i], n.high[k] + 1e-3f);
+    for (const size_t count : {1u, 7u, 16u, 129u, 1296u}) {
+        Neighbourhoods n = alone(v, 1);
+        std::vector<std::uint32_t> others;
+        for (size_t i = 1; i < count; ++i) others.push_back(std::uint32_t(v.size() - i));
+        take_near(v, others, Bounds(v), n);
+        ASSERT_EQ(n.samples(), count);
+        for (size_t k = 0; k < n.rows(); ++k) {
+            double sum = 0, square = 0, low = 1e30, high = -1e30;
+            for (size_t i = 0; i < count; ++i) {
+                const float x = n.row(k)[i];
+                ASSERT_EQ(x, v.of(n.sample[i])[k]);
+                sum += double(x);
+                low = std::min(low, double(x));
+                high = std::max(high, double(x));
+            }
+            const double mean = sum / double(count);
+            for (size_t i = 0; i < count; ++i) square += std::pow(double(n.row(k)[i]) - mean, 2);
+            const double deviation = std::sqrt(square / std::max(1.0, double(count) - 1));
+            EXPECT_NEAR(n.mean[k], mean, 1e-6 * std::max(1.0, std::abs(mean)));
+            if (n.scale[k] > 0) {
+                EXPECT_NEAR(n.scale[k] * deviation, 1, 1e-5) << k;
+                EXPECT_NEAR(n.low[k], (low - mean) / deviation, 1e-4);
+                EXPECT_NEAR(n.high[k], (high - mean) / deviation, 1e-4);
+            } else {
+                EXPECT_LE(deviation, 1e-6 * std::max(1.0, std::abs(mean))) << k;
+            }
+            for (size_t i = count; i < (count + 3) / 4 * 4; ++i) EXPECT_EQ(n.row(k)[i], 0.0f);
         }
-        EXPECT_NEAR(sum / double(n.samples()), 0, 1e-3) << k;
-        EXPECT_NEAR(square / double(n.samples() - 1), n.scale[k] > 0 ? 1 : 0, 1e-3) << k;
-        for (size_t i = n.samples(); i < n.pitch; ++i) EXPECT_EQ(n.row(k)[i], 0.0f);
     }
 }
 

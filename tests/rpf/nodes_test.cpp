@@ -268,9 +268,9 @@ TEST(BuildVectors, leaves_out_what_never_changes_and_counts_what_is_not_finite) 
     EXPECT_FALSE(v.is_whole(17));
     EXPECT_TRUE(v.is_whole(16));
     // Whole vectors are read of the last record too, and what they hold is compared.
-    ASSERT_GE(v.values.size(), v.size() * v.stride + SampleVectors::padding);
-    EXPECT_TRUE(std::all_of(v.values.begin() + std::ptrdiff_t(v.size() * v.stride), v.values.end(),
-                            [](float x) { return x == 0; }));
+    ASSERT_GE(v.values.size(), v.size() * v.stride() + SampleVectors::padding);
+    EXPECT_TRUE(std::all_of(v.values.begin() + std::ptrdiff_t(v.size() * v.stride()),
+                            v.values.end(), [](float x) { return x == 0; }));
     ASSERT_EQ(node.ctx.warnings.size(), 1u);
     EXPECT_NE(node.ctx.warnings[0].find("1 of 60 samples"), std::string::npos)
         << node.ctx.warnings[0];

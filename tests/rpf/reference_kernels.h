@@ -28,7 +28,7 @@ inline std::array<double, 3> filter(const Neighbourhoods& n, const Weights& w, c
     for (size_t j = 0; j < n.samples(); ++j) {
         double features = 0, colors = 0;
         for (size_t k = 0; k < n.rows(); ++k) {
-            const double d = double(n.row(k)[i]) - double(n.row(k)[j]);
+            const double d = (double(n.row(k)[i]) - double(n.row(k)[j])) * double(n.scale[k]);
             (k < n.color_row(0) ? features : colors) +=
                 double(w.of_row[k]) * double(by.scale) * d * d;
         }
@@ -66,7 +66,7 @@ inline double weigh_pixel(const SampleVectors& v, const Weights& w, const PixelL
                          3;
             }
         }
-    const size_t row = v.stride;
+    const size_t row = v.components.size();
     double sum = double(w.of_row[row] + w.of_row[row + 1] + w.of_row[row + 2]) / 3 *
                  std::max(0.0, color / std::max(1.0, known));
     for (size_t g = 0; g < p.groups.size(); ++g) {
