@@ -1,6 +1,22 @@
+#include <cmath>
+
 #include "light-field/kernels.h"
 
 namespace weft::light_field {
+
+void lay_grid(const Hierarchy& h, int x0, int y0, int x1, int y1, float reach, float radius,
+              Projection& out) {
+    out.hierarchy = &h;
+    out.reach = reach;
+    out.cell_width = 0.5f * radius;
+    out.cell_height = radius;
+    // A little farther, so that rounding of what lies at the very reach loses nothing.
+    const float far = reach * 1.0001f + 1e-3f + 1e-6f * float(std::max(h.width, h.height));
+    out.column0 = int(std::floor((float(x0) - far) / out.cell_width));
+    out.row0 = int(std::floor((float(y0) - far) / out.cell_height));
+    out.columns = int(std::floor((float(x1) + far) / out.cell_width)) + 1 - out.column0;
+    out.rows = int(std::floor((float(y1) + far) / out.cell_height)) + 1 - out.row0;
+}
 
 void collect(const Hierarchy& h, int x0, int y0, int x1, int y1, float reach, Block& block) {
     block.hierarchy = &h;

@@ -166,8 +166,26 @@ void allocate(Hierarchy& h, bool colored) {
     for (auto* values : {&h.X, &h.Y, &h.W}) values->resize(count * Hierarchy::group_size);
     if (h.moving)
         for (auto* values : {&h.VX, &h.VY, &h.VW}) values->resize(count * Hierarchy::group_size);
-    if (h.moving) h.paths.resize(4 * n);
+    if (h.moving && colored) h.paths.resize(4 * n);
     if (colored) h.rgba.resize(4 * n);
+}
+
+// What is known of the surfaces that a light sees.
+void take_planes(const Samples& samples, Hierarchy& h, Context& ctx) {
+    const auto gradient = samples.values("z_gradient"), end = samples.values("end"),
+               z = samples.z();
+    if (!gradient.empty()) h.plane_x.resize(h.size()), h.plane_y.resize(h.size());
+    if (!end.empty()) h.end.resize(h.size());
+    ctx.parallel(h.size(), 65536, [&](size_t begin, size_t last) {
+        for (size_t i = begin; i < last; ++i) {
+            const size_t from = h.order[i];
+            if (!end.empty()) h.end[i] = end[from];
+            if (gradient.empty()) continue;
+            const float square = -1 / (z[from] * z[from]);
+            h.plane_x[i] = gradient[2 * from] * square;
+            h.plane_y[i] = gradient[2 * from + 1] * square;
+        }
+    });
 }
 
 Paths paths_of(Hierarchy& h, size_t begin) {
@@ -266,7 +284,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
                 for (size_t c = 0; c < 3; ++c) h.rgba[4 * i + c] = rgb[3 * from + c];
                 h.rgba[4 * i + 3] = alpha.empty() ? 1.0f : alpha[from];
             }
-            for (size_t i = begin; i < end && h.moving; ++i) {
+            for (size_t i = begin; i < end && !h.paths.empty(); ++i) {
                 float* to = &h.paths[4 * i];
                 to[0] = h.W[i], to[1] = h.VX[i], to[2] = h.VY[i], to[3] = h.VW[i];
             }
@@ -276,6 +294,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
         }
     });
     build_levels(h);
+    if (!colored) take_planes(samples, h, ctx);
     return h;
 }
 

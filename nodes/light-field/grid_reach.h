@@ -7,10 +7,10 @@
 
 namespace weft::light_field::WEFT_ISA {
 
-// The cells that disks of a radius about n locations reach into. `to` has room for whole vectors.
+// The cells that disks about n locations reach into; of a radius that is `radius` times each one's
+// ratio, where there are ratios. `to` has room for whole vectors.
 inline void find_reach(const Projection& p, const float* x, const float* y, size_t n, float radius,
-                       Reach to) {
-    const VF far = hn::Set(f, radius * 1.00001f + 1e-5f);  // cells are chosen by rounded numbers
+                       Reach to, const float* ratio = nullptr) {
     const VF per_width = hn::Set(f, 1 / p.cell_width), per_height = hn::Set(f, 1 / p.cell_height);
     const VI pitch = hn::Set(sn, p.columns + 1), one = hn::Set(sn, 1);
     const auto cell = [](VF at, VF per_cell, int first, int count) HWY_ATTR {
@@ -27,6 +27,9 @@ inline void find_reach(const Projection& p, const float* x, const float* y, size
             return hn::Load(f, rest);
         };
         const VF px = load(x), py = load(y);
+        const VF own = ratio ? hn::Mul(hn::Set(f, radius), load(ratio)) : hn::Set(f, radius);
+        // Cells are chosen by rounded numbers.
+        const VF far = hn::MulAdd(own, hn::Set(f, 1.00001f), hn::Set(f, 1e-5f));
         const VI left = cell(hn::Sub(px, far), per_width, p.column0, p.columns),
                  right = cell(hn::Add(px, far), per_width, p.column0, p.columns),
                  top = cell(hn::Sub(py, far), per_height, p.row0, p.rows),

@@ -39,7 +39,11 @@ class Hierarchy {
     LargeArray<float> X, Y, W;
     LargeArray<float> VX, VY, VW;  // empty where nothing moves
     LargeArray<float> paths;       // W, VX, VY, VW again, side by side, for samples here and there
-    LargeArray<float> rgba;        // 4 a sample: radiance, alpha; empty where a light sees them
+    LargeArray<float> rgba;        // 4 a sample: radiance, alpha
+    // Where a light sees them, in the place of paths and radiance: the change of 1/w a px of film
+    // of each sample's surface (empty: not known), and its `end` (shadows/passing_rays_kernel.h;
+    // empty: 0).
+    LargeArray<float> plane_x, plane_y, end;
     LargeArray<std::uint32_t> order;  // index in the buffer
     Array<float> uv, t;  // the buffer's own, in its order: where and when each was seen
 

@@ -33,6 +33,9 @@ struct Block {
         return hierarchy == &h && x0 == bx0 && y0 == by0 && x1 == bx1 && y1 == by1 && reach >= needed;
     }
 };
+// Lays the grid of a projection over what is within `reach` of pixels [x0, x1) x [y0, y1), with cells for searches
+// within some `radius`.
+void lay_grid(const Hierarchy& hierarchy, int x0, int y0, int x1, int y1, float reach, float radius, Projection& out);
 void collect(const Hierarchy& hierarchy, int x0, int y0, int x1, int y1, float reach, Block& block);
 
 // Same-surface test (reference_kernels.h has it for one pair): trajectories of two samples conflict
@@ -110,10 +113,14 @@ struct SeeScratch {
     }
 };
 
+// project_depths: onto a grid that is there already (lay_grid), samples of cells that are `wanted` alone (a byte a
+// cell, as numbered by Projection::start; three more may be read); Projection::Entry::traits is 1/w.
 #define WEFT_LIGHT_FIELD_KERNELS(isa)                                                                       \
     namespace isa {                                                                                         \
     void project(const Hierarchy& hierarchy, Block& block, float u, float v, float t, bool colors,          \
                  Projection& out);                                                                          \
+    void project_depths(const Hierarchy& hierarchy, Block& block, const std::uint8_t* wanted, float u,      \
+                        float v, float t, Projection& out);                                                 \
     void gather(const Projection& projection, const Locations& locations, float radius, Candidates& out);   \
     void gather_each(const Hierarchy& hierarchy, Block& block, const Locations& locations, float radius,    \
                      Candidates& out);                                                                      \

@@ -39,6 +39,7 @@ struct Projector {
     const VU pitch;
     const Quantity slope_byte, vx_byte, vy_byte;
     const VU standing;  // velocity bytes of what does not move
+    const std::uint8_t* wanted = nullptr;
     Spread spread;
     size_t n = 0;
 
@@ -82,7 +83,7 @@ struct Projector {
     }
     HWY_INLINE VU velocity_traits(VF x, VF y) const { return hn::Or(trait<8>(x), trait<16>(y)); }
 
-    template <bool moving>
+    template <bool moving, bool depths>
     HWY_INLINE void group(size_t begin) {
         for (size_t i = begin; i < begin + Hierarchy::group_size; i += lanes) {
             VF X = hn::LoadU(f, &h.X[i]), Y = hn::LoadU(f, &h.Y[i]), W = hn::LoadU(f, &h.W[i]);
@@ -103,10 +104,17 @@ struct Projector {
                      row = hn::Sub(hn::Floor(hn::Mul(y, per_height)), row0);
             const auto in_x = hn::And(hn::Ge(column, zero), hn::Lt(column, columns)),
                        in_y = hn::And(hn::Ge(row, zero), hn::Lt(row, rows));
-            const auto in = hn::And(hn::And(in_x, in_y), hn::Gt(W, zero));
-            const VU cell = hn::Add(hn::Mul(whole(row), pitch), whole(column));
-            VU traits = trait<0>(slope_byte(slope));
-            if constexpr (moving)
+            auto in = hn::And(hn::And(in_x, in_y), hn::Gt(W, zero));
+            VU cell = hn::Add(hn::Mul(whole(row), pitch), whole(column));
+            VU traits = depths ? hn::BitCast(un, inverse) : trait<0>(slope_byte(slope));
+            if constexpr (depths) {
+                cell = hn::IfThenElseZero(hn::RebindMask(un, in), cell);
+                const VU byte =
+                    hn::And(hn::GatherOffset(un, reinterpret_cast<const std::uint32_t*>(wanted),
+                                             hn::BitCast(sn, cell)),
+                            hn::Set(un, 255));
+                in = hn::And(in, hn::RebindMask(f, hn::Ne(byte, hn::Zero(un))));
+            } else if constexpr (moving)
                 traits = hn::Or(
                     traits,
                     velocity_traits(
@@ -114,7 +122,7 @@ struct Projector {
                         vy_byte(hn::Mul(inverse, hn::NegMulAdd(VW, hn::Sub(y, own_y), VY)))));
             else
                 traits = hn::Or(traits, standing);
-            spread.add(traits, in);
+            if constexpr (!depths) spread.add(traits, in);
             const Pack pack(in);
             pack.store(x, &block.x[n]);
             pack.store(y, &block.y[n]);
@@ -126,18 +134,20 @@ struct Projector {
     }
 };
 
-void project_groups(const Hierarchy& h, Block& block, size_t groups, float u, float v, float d,
-                    Projection& out) {
+template <bool depths>
+void project_groups(const Hierarchy& h, Block& block, size_t groups, const std::uint8_t* wanted,
+                    float u, float v, float d, Projection& out) {
     Projector to(h, block, u, v, d, out);
+    to.wanted = wanted;
     for (size_t k = 0; k < groups; ++k) {
         const std::uint32_t g = block.seen[k];
         if (h.groups.moves[g])
-            to.group<true>(size_t(g) * Hierarchy::group_size);
+            to.group<true, depths>(size_t(g) * Hierarchy::group_size);
         else
-            to.group<false>(size_t(g) * Hierarchy::group_size);
+            to.group<false, depths>(size_t(g) * Hierarchy::group_size);
     }
     out.samples = to.n;
-    out.spread = to.n == 0 ? 0 : to.spread.between();
+    out.spread = depths ? 0xffffffffu : to.n == 0 ? 0 : to.spread.between();
 }
 
 // Writes n samples to where their cells start.
@@ -214,26 +224,13 @@ void sort_into_cells(const Hierarchy& h, Block& block, Projection& out) {
                     Projection::Entry{1e30f, 1e30f, 0, 0});
 }
 
-}  // namespace
-
-void project(const Hierarchy& h, Block& block, float u, float v, float t, bool colors,
-             Projection& out) {
-    out.hierarchy = &h;
-    out.colored = colors;
+// `depths`: of samples in wanted cells, 1/w in the place of traits.
+template <bool depths>
+void project_onto_grid(const Hierarchy& h, Block& block, const std::uint8_t* wanted, float u,
+                       float v, float t, Projection& out) {
     out.u = u;
     out.v = v;
     out.t = t;
-    out.reach = block.reach;
-    out.cell_width = 0.5f * h.radius;
-    out.cell_height = h.radius;
-    // A little farther, so that rounding of what lies at the very reach loses nothing.
-    const float far = block.reach * 1.0001f + 1e-3f + 1e-6f * float(std::max(h.width, h.height));
-    out.column0 = int(std::floor((float(block.x0) - far) / out.cell_width));
-    out.row0 = int(std::floor((float(block.y0) - far) / out.cell_height));
-    out.columns = int(std::floor((float(block.x1) + far) / out.cell_width)) + 1 - out.column0;
-    out.rows = int(std::floor((float(block.y1) + far) / out.cell_height)) + 1 - out.row0;
-    out.slope_step = block.slope_step;
-    out.velocity_step = block.velocity_step;
     const float d = t - 0.5f;
     const size_t groups = find_groups(h, block, u, v, d, float(out.column0) * out.cell_width,
                                       float(out.column0 + out.columns) * out.cell_width,
@@ -245,8 +242,25 @@ void project(const Hierarchy& h, Block& block, float u, float v, float t, bool c
         block.y.resize(most);
         for (auto* values : {&block.cell, &block.sample, &block.traits}) values->resize(most);
     }
-    project_groups(h, block, groups, u, v, d, out);
+    project_groups<depths>(h, block, groups, wanted, u, v, d, out);
     sort_into_cells(h, block, out);
+}
+
+}  // namespace
+
+void project(const Hierarchy& h, Block& block, float u, float v, float t, bool colors,
+             Projection& out) {
+    lay_grid(h, block.x0, block.y0, block.x1, block.y1, block.reach, h.radius, out);
+    out.colored = colors;
+    out.slope_step = block.slope_step;
+    out.velocity_step = block.velocity_step;
+    project_onto_grid<false>(h, block, nullptr, u, v, t, out);
+}
+
+void project_depths(const Hierarchy& h, Block& block, const std::uint8_t* wanted, float u, float v,
+                    float t, Projection& out) {
+    out.colored = false;
+    project_onto_grid<true>(h, block, wanted, u, v, t, out);
 }
 
 }  // namespace weft::light_field::WEFT_ISA

@@ -1,6 +1,7 @@
 // The samples around a batch at its common (u, v, t), projected once for all stages that ask.
 #pragma once
 #include "light-field/kernels.h"
+#include "light-field/local_radius.h"
 
 namespace weft::light_field {
 
@@ -16,6 +17,15 @@ struct ProjectedScratch {
 inline void collect_for(const Hierarchy& h, const Locations& at, float reach, Block& block) {
     if (!block.covers(h, at.x0, at.y0, at.x1, at.y1, reach))
         collect(h, at.x0, at.y0, at.x1, at.y1, reach, block);
+}
+
+// The samples within `scale` R of each location, which share no (u, v, t).
+inline void gather_around(const Hierarchy& h, const Locations& at, float scale, Block& block,
+                          Candidates& found) {
+    const float radius = scale * largest_radius(h, at);
+    collect_for(h, at, radius, block);
+    WEFT_PICK(gather_each)(h, block, at, radius, found);
+    narrow(scale, at, found);
 }
 
 // `known`, if it is of this batch and holds all samples within `radius`; else a projection of all

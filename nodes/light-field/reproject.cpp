@@ -33,9 +33,7 @@ struct Reproject {
         const float largest = largest_radius(h, at), radius = radius_scale * largest;
         Projection* made = out.wanted("projection") ? &out.get<Projection>("projection") : nullptr;
         if (!at.shared) {
-            collect_for(h, at, radius, scratch.block);
-            WEFT_PICK(gather_each)(h, scratch.block, at, radius, found);
-            narrow(radius_scale, at, found);
+            gather_around(h, at, radius_scale, scratch.block, found);
             if (made) made->hierarchy = nullptr;
             return;
         }

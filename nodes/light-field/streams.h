@@ -41,7 +41,7 @@ struct Projection : Batch {
     struct Entry {
         float x, y;            // px, at (u, v, t)
         std::uint32_t sample;  // index in the hierarchy
-        std::uint32_t traits;  // slope, velocity x, velocity y: a byte each
+        std::uint32_t traits;  // slope, velocity x, velocity y: a byte each; or 1/w, a float's bits
     };
 
     const Hierarchy* hierarchy = nullptr;

@@ -8,6 +8,7 @@
 #include "render/scene.h"
 #include "shadows/light_view.h"
 #include "tests/graph_run.h"
+#include "tests/instruction_sets.h"
 
 namespace weft {
 namespace {
@@ -93,6 +94,26 @@ TEST_P(ShadowScene, IsNearerToTheTruthThanTheSamples) {
     // The same bits for any threads and tiles.
     EXPECT_EQ(values_of(GraphRun(graph_of(file, "shadows"), 17, 3).picture),
               values_of(one.picture));
+}
+
+// The fused kernels against the stages that they stand for, with every instruction set.
+TEST_P(ShadowScene, IsTheSameStageByStage) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << GetParam().scene;
+    for (const Isa isa : instruction_sets()) {
+        const PinnedIsa pinned(isa);
+        const std::vector<float> fused = values_of(GraphRun(graph_of(file, "shadows")).picture),
+                                 apart = values_of(
+                                     GraphRun(graph_of(file, "shadows"), 32, 1, false).picture);
+        ASSERT_EQ(fused.size(), apart.size());
+        // What stands before what is told by rounded numbers: a vote in a hundred
+        // thousand may differ, and with it a pixel.
+        size_t unlike = 0;
+        for (size_t i = 0; i < fused.size(); ++i)
+            unlike += std::abs(fused[i] - apart[i]) > 1e-4f * std::max(1.0f, apart[i]);
+        EXPECT_LE(unlike, fused.size() / 1000) << name_of(isa);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,0 +1,46 @@
+// What reproject and ray-vote-coverage make of a batch of receivers that share a point of the light
+// and a time, in one go: light samples are carried there once, those alone that some receiver looks
+// at; most receivers find nothing that stands before them, and are done with a glance at each.
+// Source: ray_vote_kernel.h, which is the same one location at a time.
+// Cost: no allocation once buffers have grown.  Threads: each call touches its own outputs only.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "light-field/kernels.h"
+#include "light-field/streams.h"
+#include "runtime/isa.h"
+#include "shadows/light_view.h"
+#include "shadows/streams.h"
+
+namespace weft::shadows {
+
+struct LightVoteScratch {
+    light_field::Block block;
+    Projection projection;
+    std::vector<std::uint32_t> first, across, rows;  // light_field::Reach
+    std::vector<std::uint8_t> wanted;                // cells that some receiver looks at
+    // Of one receiver: what stands nearer than its plane; of that, what was stopped and what
+    // passes.
+    struct Places {
+        std::vector<float> x, y, inverse, end, way_x, way_y;
+        std::vector<std::uint32_t> sample;
+        void grow(size_t n) {
+            if (sample.size() >= n) return;
+            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y}) values->resize(2 * n);
+            sample.resize(2 * n);
+        }
+    } nearer, hits, passes;
+};
+
+#define WEFT_LIGHT_VOTE_KERNELS(isa)                                                            \
+    namespace isa {                                                                             \
+    void light_vote(const Hierarchy& lights, const LightView& view, const Locations& locations, \
+                    const ShadowQueries& queries, float bias, LightVoteScratch& scratch,        \
+                    LightShares& out);                                                          \
+    }
+WEFT_LIGHT_VOTE_KERNELS(v2)
+WEFT_LIGHT_VOTE_KERNELS(v3)
+WEFT_LIGHT_VOTE_KERNELS(v4)
+
+}  // namespace weft::shadows

@@ -1,0 +1,157 @@
+// Receivers: where what the camera's samples show stands before a light, and is to be looked up on
+// its film. Source: Lehtinen et al. 2011, Sec. 4.  Departure: the light's points are two further
+// dimensions of the locations' own set (light-field/points.h), common to a slice as (u, v, t) is,
+// so that light samples are carried there once for all of its locations.
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "light-field/points.h"
+#include "light-field/streams.h"
+#include "shadows/light_view.h"
+#include "shadows/streams.h"
+
+namespace weft::shadows {
+
+// What a sample of the camera shows, in light space.
+struct Receiver {
+    std::array<float, 3> open,
+        way;  // where it is at the shutter's opening; how it moves till its close
+    std::array<float, 3> normal;  // of length 1 or, not known, 0
+    float ratio = 1;              // of R there to R where a light's pixel is a camera's
+    std::uint32_t sample =
+        SeenSamples::none;  // of the camera's buffer; none: of the hierarchy, nothing to light
+};
+
+class Receivers {
+  public:
+    // `hierarchy` of the camera's `samples`; of these geometric_normal and light_density, if there.
+    Receivers(const Hierarchy& hierarchy, const Samples& samples, const LightView& view)
+        : h_(hierarchy),
+          view_(view),
+          normals_(samples.values("geometric_normal")),
+          density_(samples.values("light_density")) {
+        if (h_.size() != samples.size())
+            throw Error(
+                "'samples' are not those of 'hierarchy': link the ones that build-hierarchy got, "
+                "or the ones they were made of");
+        for (size_t end : {0, 1})
+            to_light_[end] = view.world_to_light[end] * view.pixel_to_world[end];
+    }
+    bool ratios() const { return !density_.empty(); }
+
+    // Of sample s of the hierarchy.
+    Receiver of(std::uint32_t s) const {
+        Receiver r;
+        if (h_.W[s] >= 0x1p+39f) return r;  // the background
+        r.sample = h_.order[s];
+        const Point3 middle{double(h_.X[s]), double(h_.Y[s]), double(h_.W[s])};
+        Point3 half;
+        if (h_.moving) half = Point3{double(h_.VX[s]), double(h_.VY[s]), double(h_.VW[s])} * 0.5;
+        const Point3 open = to_light_[0].point(middle - half),
+                     close = to_light_[1].point(middle + half);
+        r.open = floats(open), r.way = floats(close - open);
+        r.normal = {};
+        if (!normals_.empty()) {
+            const size_t i = 3 * size_t(r.sample);
+            const Point3 normal = view_.world_to_light[0].vector(
+                {double(normals_[i]), double(normals_[i + 1]), double(normals_[i + 2])});
+            if (const double square = dot(normal, normal); square > 0)
+                r.normal = floats(normal * (1 / std::sqrt(square)));
+        }
+        if (ratios()) r.ratio = std::sqrt(density_[r.sample]);
+        return r;
+    }
+
+    // Looks for what locations `from` see, `seen` of each: where on the film, from which point of
+    // the light, how deep. `receiver(s)` is of(s).
+    template <class Of>
+    void locate(std::uint64_t seed, const Locations& from, std::span<const std::uint32_t> seen,
+                Of&& receiver, Locations& at, ShadowQueries& ask) const {
+        const size_t n = from.size();
+        start(seed, from, n, at);
+        for (auto* values : {&ask.inverse_depth, &ask.slope_x, &ask.slope_y}) values->assign(n, 0);
+        ask.sample.assign(n, SeenSamples::none);
+        at.ratio.assign(ratios() ? n : 0, 1);
+        float x0 = 1e30f, y0 = 1e30f, x1 = -1e30f, y1 = -1e30f;
+        for (size_t l = 0; l < n; ++l) {
+            if (seen[l] == SeenSamples::none) continue;
+            const Receiver& r = receiver(seen[l]);
+            ask.sample[l] = r.sample;
+            if (r.sample == SeenSamples::none) continue;
+            const double t = double(from.t_of(l));
+            const Point3 p{double(r.open[0]) + t * double(r.way[0]),
+                           double(r.open[1]) + t * double(r.way[1]),
+                           double(r.open[2]) + t * double(r.way[2])};
+            if (!(p.z > 0)) continue;
+            if (!at.shared) {
+                const auto on_light =
+                    view_.point(number(seed, from, l, 0), number(seed, from, l, 1), p);
+                at.u[l] = float(on_light[0]), at.v[l] = float(on_light[1]);
+            }
+            const double inverse = 1 / p.z;
+            const float x = float(view_.cx + view_.k * p.x * inverse +
+                                  (view_.c0x() * inverse + view_.c1x()) * double(at.u_of(l))),
+                        y = float(view_.cy + view_.k * p.y * inverse +
+                                  (view_.c0y() * inverse + view_.c1y()) * double(at.v_of(l)));
+            if (!(x >= 0 && x < float(view_.width) && y >= 0 && y < float(view_.height))) continue;
+            at.x[l] = x, at.y[l] = y;
+            x0 = std::min(x0, x), x1 = std::max(x1, x);
+            y0 = std::min(y0, y), y1 = std::max(y1, y);
+            ask.inverse_depth[l] = float(inverse);
+            // 1/w over the film, of the plane through p (LightView::inverse_depth_gradient).
+            const double plane =
+                double(r.normal[0]) * p.x + double(r.normal[1]) * p.y + double(r.normal[2]) * p.z;
+            if (std::abs(plane) > 1e-3 * p.z) {
+                const double scale = 1 / (view_.k * plane);
+                ask.slope_x[l] = float(double(r.normal[0]) * scale);
+                ask.slope_y[l] = float(double(r.normal[1]) * scale);
+            }
+            if (ratios()) at.ratio[l] = r.ratio;
+        }
+        // What is not asked lies where the others do, and costs next to nothing.
+        if (x1 < x0) x0 = y0 = x1 = y1 = 0;
+        for (size_t l = 0; l < n; ++l)
+            if (ask.inverse_depth[l] == 0) at.x[l] = x0, at.y[l] = y0;
+        at.x0 = int(std::floor(x0)), at.y0 = int(std::floor(y0));
+        at.x1 = int(std::floor(x1)) + 1, at.y1 = int(std::floor(y1)) + 1;
+    }
+
+  private:
+    static std::array<float, 3> floats(Point3 p) { return {float(p.x), float(p.y), float(p.z)}; }
+    void start(std::uint64_t seed, const Locations& from, size_t n, Locations& at) const {
+        at.shared = from.shared && view_.same_points();
+        at.slice = from.slice;
+        at.x.resize(n);
+        at.y.resize(n);
+        const size_t sets = at.shared ? 1 : n;
+        at.u.assign(sets, 0);
+        at.v.assign(sets, 0);
+        at.t.resize(sets);
+        for (size_t l = 0; l < sets && n > 0; ++l) at.t[l] = from.t_of(l);
+        if (!at.shared || n == 0) return;
+        const auto on_light = view_.point(number(seed, from, 0, 0), number(seed, from, 0, 1), {});
+        at.u[0] = float(on_light[0]), at.v[0] = float(on_light[1]);
+    }
+    // A location's number for the light's point, in one of two dimensions.
+    static double number(std::uint64_t seed, const Locations& from, size_t l, int dimension) {
+        if (from.shared)
+            return double(light_field::light_number(seed, std::uint32_t(from.slice), dimension));
+        const auto bits = [](float a, float b) {
+            return std::uint64_t(std::bit_cast<std::uint32_t>(a)) << 32 |
+                   std::bit_cast<std::uint32_t>(b);
+        };
+        const std::uint64_t key =
+            mix(mix(seed + std::uint64_t(dimension)) ^ bits(from.x[l], from.y[l]));
+        return double(unit_float(mix(key ^ bits(from.u_of(l), from.t_of(l)))));
+    }
+
+    const Hierarchy& h_;
+    const LightView& view_;
+    std::span<const float> normals_, density_;
+    std::array<Map3, 2>
+        to_light_;  // of homogeneous places in the picture, at both ends of the shutter
+};
+
+}  // namespace weft::shadows

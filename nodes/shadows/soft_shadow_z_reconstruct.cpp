@@ -1,0 +1,100 @@
+// soft-shadow-z-reconstruct: locate-receivers, reproject and ray-vote-coverage as one kernel
+// (light_vote_kernel.h), in which what is known of a receiver is worked out once for all locations
+// that see it, and light samples near it never leave the cache of its core.
+#include "runtime/fusion.h"
+#include "shadows/light_vote_kernel.h"
+#include "shadows/ray_vote_around.h"
+#include "shadows/receivers.h"
+
+namespace weft::shadows {
+namespace {
+
+struct SoftShadowZReconstruct {
+    std::uint64_t seed = 1;
+    float search = 1, bias = 0;
+    int max_widen = 0;
+    DepthTest test = DepthTest::both_planes;
+
+    static void declare(Fusing<SoftShadowZReconstruct>& fusing) {
+        using This = SoftShadowZReconstruct;
+        fusing
+            .about(
+                "finds where the receiver of each location stands before the light, and whether "
+                "rays that came near it were stopped")
+            .part("locate-receivers")
+            .part("reproject")
+            .part("ray-vote-coverage")
+            .inner("locate-receivers.locations",
+                   {"reproject.locations", "ray-vote-coverage.locations"})
+            .inner("locate-receivers.queries", {"ray-vote-coverage.queries"})
+            .inner("reproject.candidates", {"ray-vote-coverage.candidates"})
+            .in("locations", {"locate-receivers.locations"})
+            .in("seen", {"locate-receivers.seen"})
+            .in("hierarchy", {"locate-receivers.hierarchy"})
+            .in("samples", {"locate-receivers.samples"})
+            .in("light-view", {"locate-receivers.light-view", "ray-vote-coverage.light-view"})
+            .in("lights", {"reproject.hierarchy"})
+            .in("light-samples", {"ray-vote-coverage.light-samples"})
+            .out("queries", "locate-receivers.queries")
+            .out("shares", "ray-vote-coverage.shares")
+            .param("locate-receivers.seed", &This::seed)
+            .param("reproject.radius-scale", &This::search)
+            .param("ray-vote-coverage.bias", &This::bias)
+            .param("ray-vote-coverage.test", &This::test)
+            .param("ray-vote-coverage.max-widen", &This::max_widen);
+    }
+    bool suits() const { return test == DepthTest::both_planes && search == 1; }
+
+    struct Scratch {
+        std::vector<Receiver> receivers;
+        std::vector<std::uint32_t> held;  // whose they are
+        const Hierarchy* of = nullptr;
+        Locations at;
+        ShadowQueries unread;
+        LightVoteScratch vote;
+        RayVoteAround::Scratch around;
+    };
+
+    void batch(const Inputs& in, Outputs& out, Scratch& s) const {
+        const Hierarchy& camera = in.get<Hierarchy>("hierarchy");
+        const Hierarchy& lights = in.get<Hierarchy>("lights");
+        const LightView& view = in.get<LightView>("light-view");
+        const Locations& from = in.get<Locations>("locations");
+        ShadowQueries& queries =
+            out.wanted("queries") ? out.get<ShadowQueries>("queries") : s.unread;
+        LightShares& shares = out.get<LightShares>("shares");
+        s.at.pixels = from.pixels, s.at.parents = from.parents;
+        const Receivers receivers(camera, in.get<Samples>("samples"), view);
+        start(camera, s);
+        receivers.locate(
+            seed, from, in.get<SeenSamples>("seen").sample,
+            [&](std::uint32_t sample) -> const Receiver& {
+                // The samples of a tile are few runs of the hierarchy's order.
+                const size_t place = sample % cached;
+                if (s.held[place] != sample)
+                    s.held[place] = sample, s.receivers[place] = receivers.of(sample);
+                return s.receivers[place];
+            },
+            s.at, queries);
+        const RayVoteAround around(lights, in.get<Samples>("light-samples"), view, {test, bias});
+        if (s.at.shared)
+            WEFT_PICK(light_vote)(lights, view, s.at, queries, bias, s.vote, shares);
+        else
+            around.look(s.at, queries, search, s.around, shares);
+        around.widen(s.at, queries, search, max_widen, s.around, shares);
+    }
+
+  private:
+    static constexpr size_t cached = 8192;
+    static void start(const Hierarchy& camera, Scratch& s) {
+        if (s.of == &camera) return;
+        s.of = &camera;
+        s.receivers.resize(cached);
+        s.held.assign(cached, SeenSamples::none);
+    }
+};
+
+WEFT_FUSION(SoftShadowZReconstruct, "soft-shadow-z-reconstruct")
+
+}  // namespace
+}  // namespace weft::shadows
