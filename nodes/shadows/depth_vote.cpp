@@ -48,7 +48,7 @@ struct DepthVote {
     }
 };
 
-WEFT_NODE(DepthVote, "depth-vote", 2)
+WEFT_NODE(DepthVote, "depth-vote", 3)
 
 }  // namespace
 }  // namespace weft

@@ -26,6 +26,7 @@ class Voting {
         lx_ = at.u[0], ly_ = at.v[0];
         c0x_ = float(view.c0x()), c0y_ = float(view.c0y());
         steepest_ = Planes::steepest / float(view.k);
+        px_ = 1 / float(view.k);
         lens_x_ = h.lens.c0 * h.lens.aspect, lens_y_ = h.lens.c0;
         level_ = 1 / std::max({std::abs(lens_x_), std::abs(lens_y_), 1e-30f});
     }
@@ -99,8 +100,7 @@ class Voting {
         const Slope slope = seen_slope(queries_.slope_x[l], queries_.slope_y[l]);
         const VF limit = hn::Set(f, radius * radius), x = hn::Set(f, at_.x[l]),
                  y = hn::Set(f, at_.y[l]);
-        nearest_ = inverse + bias_ * inverse;
-        const VF plane = hn::Set(f, nearest_), rise_x = hn::Set(f, slope.x),
+        const VF plane = hn::Set(f, inverse + bias_ * inverse), rise_x = hn::Set(f, slope.x),
                  rise_y = hn::Set(f, slope.y);
         const size_t pitch = size_t(p_.columns) + 1, across = s_.across[l];
         const std::uint32_t* row = p_.start.data() + s_.first[l];
@@ -128,7 +128,7 @@ class Voting {
             }
         }
         out_.votes[l] = std::uint32_t(votes);
-        if (n_ > 0 && stopped()) out_.share[l] = 0;
+        if (n_ > 0 && stopped(inverse, slope)) out_.share[l] = 0;
     }
 
     // The receiver's own slope as it is from the light's point.
@@ -139,13 +139,14 @@ class Voting {
     }
 
     // Whether one of those that are nearer than the receiver's plane stops its light.
-    bool stopped() {
+    bool stopped(float receiver, const Slope& slope) {
         auto &hits = s_.hits, &passes = s_.passes;
         hits.grow(n_ + 2 * lanes);
         passes.grow(n_ + 2 * lanes);
         size_t n_hits = 0, n_passes = 0;
         const bool planes = !h_.plane_x.empty(), ends = !h_.end.empty();
-        const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f), nearest = hn::Set(f, nearest_);
+        const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f), rise_x = hn::Set(f, slope.x),
+                 rise_y = hn::Set(f, slope.y);
         for (size_t i = 0; i < n_; i += lanes) {
             const auto valid = hn::FirstN(f, n_ - i);
             const VF dx = hn::LoadU(f, &s_.nearer.x[i]), dy = hn::LoadU(f, &s_.nearer.y[i]),
@@ -170,7 +171,14 @@ class Voting {
                 beside = hn::Sub(inverse, hn::Add(hn::Mul(hn::Mul(hx, scale), dx),
                                                   hn::Mul(hn::Mul(hy, scale), dy)));
             }
-            const auto before = hn::And(valid, hn::Lt(nearest, beside));
+            // Planes::before.
+            const VF bend = hn::Mul(hn::Set(f, px_),
+                                    hn::Sqrt(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)))),
+                     limit = hn::Add(hn::Set(f, receiver), hn::Mul(hn::Add(hn::Set(f, bias_), bend),
+                                                                   hn::Set(f, receiver)));
+            const VF here = hn::Add(limit, hn::Add(hn::Mul(rise_x, dx), hn::Mul(rise_y, dy)));
+            const auto before =
+                hn::And(valid, hn::And(hn::Lt(here, inverse), hn::Lt(limit, beside)));
             const VF end = ends ? hn::GatherIndex(f, h_.end.data(), at) : zero;
             const auto pass = hn::Gt(end, zero);
             const Pack stop(hn::AndNot(pass, before)), by(hn::And(pass, before));
@@ -241,9 +249,9 @@ class Voting {
     LightVoteScratch& s_;
     Projection& p_;
     LightShares& out_;
-    float lx_ = 0, ly_ = 0, c0x_ = 0, c0y_ = 0, steepest_ = 0, lens_x_ = 0, lens_y_ = 0, level_ = 0;
-    float nearest_ = 0;  // 1/w of the receiver at hand, and the bias
-    size_t n_ = 0;       // samples nearer than its plane
+    float lx_ = 0, ly_ = 0, c0x_ = 0, c0y_ = 0, steepest_ = 0, px_ = 0, lens_x_ = 0, lens_y_ = 0,
+          level_ = 0;
+    size_t n_ = 0;  // samples nearer than its plane
 };
 
 }  // namespace

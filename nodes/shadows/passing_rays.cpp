@@ -48,7 +48,7 @@ struct PassRays {
     }
 };
 
-WEFT_NODE(PassRays, "passing-rays", 1)
+WEFT_NODE(PassRays, "passing-rays", 2)
 
 }  // namespace
 }  // namespace weft

@@ -14,7 +14,9 @@ namespace weft::shadows {
 
 // When a light sample's surface shadows a receiver.
 enum class DepthTest {
-    both_planes,    // it lies before the receiver by its own tangent plane and by the receiver's
+    both_planes,  // it lies before the receiver by its own tangent plane and by the receiver's, by
+                  // more than it is away from the receiver on the film: what is nearer to both
+                  // planes may be the receiver's own surface, which bends
     inverse_depth,  // by its own, inverse depth being linear over the film
     linear,         // by its own, depth taken for linear over the film (Lehtinen et al. 2011)
 };
@@ -46,7 +48,8 @@ class Planes {
           depth_(depth),
           c0x_(float(view.c0x())),
           c0y_(float(view.c0y())),
-          steepest_(steepest / float(view.k)) {}
+          steepest_(steepest / float(view.k)),
+          px_(1 / float(view.k)) {}
 
     const Hierarchy& hierarchy() const { return h_; }
     // As seen from the light's point (lx, ly), given the slope from its middle.
@@ -94,7 +97,9 @@ class Planes {
                         gy = gradient_.empty() ? 0.0f : gradient_[2 * j + 1];
             return 1 / receiver.inverse - bias > w - (gx * dx + gy * dy);
         }
-        const float inverse = 1 / w, limit = receiver.inverse + bias * receiver.inverse;
+        const float inverse = 1 / w,
+                    bend = test == DepthTest::both_planes ? px_ * std::sqrt(dx * dx + dy * dy) : 0,
+                    limit = receiver.inverse + (bias + bend) * receiver.inverse;
         if (test == DepthTest::both_planes &&
             limit + (receiver.slope.x * dx + receiver.slope.y * dy) >= inverse)
             return false;
@@ -107,6 +112,7 @@ class Planes {
     const Hierarchy& h_;
     std::span<const float> gradient_, depth_;
     float c0x_, c0y_, steepest_;
+    float px_;  // as wide as a px of film, a unit away
 };
 
 }  // namespace weft::shadows

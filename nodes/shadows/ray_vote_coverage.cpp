@@ -51,7 +51,7 @@ struct RayVoteCoverage {
     }
 };
 
-WEFT_NODE(RayVoteCoverage, "ray-vote-coverage", 1)
+WEFT_NODE(RayVoteCoverage, "ray-vote-coverage", 2)
 
 }  // namespace
 }  // namespace weft
