@@ -190,22 +190,12 @@ class Voting {
             by.store(dy, &passes.y[n_passes]);
             by.store(inverse, &passes.inverse[n_passes]);
             by.store(hn::Div(one, end), &passes.end[n_passes]);
-            if (!h_.uv.empty()) {
-                // How far it moves a unit of 1/w, as the light is looked at from here and not from
-                // where its ray started.
-                const VI from = hn::ShiftLeft<1>(hn::GatherIndex(
-                    sn, reinterpret_cast<const std::int32_t*>(h_.order.data()), at));
-                const VF lx = hn::GatherIndex(f, h_.uv.view().data(), from),
-                         ly = hn::GatherIndex(f, h_.uv.view().data() + 1, from);
-                by.store(hn::Mul(hn::Set(f, lens_x_), hn::Sub(hn::Set(f, lx_), lx)),
-                         &passes.way_x[n_passes]);
-                by.store(hn::Mul(hn::Set(f, lens_y_), hn::Sub(hn::Set(f, ly_), ly)),
-                         &passes.way_y[n_passes]);
-            }
+            by.store(sample, &passes.sample[n_passes]);
             n_passes += by.count;
         }
         if (n_hits == 0) return false;
         if (n_passes == 0) return true;
+        find_ways(n_passes);
         // Of the hits the nearest first: most often it decides.
         size_t first = 0;
         float least = 1e38f;
@@ -216,6 +206,25 @@ class Voting {
         for (size_t i = 0; i < n_hits; ++i)
             if (i != first && !free_of(i, n_passes)) return true;
         return false;
+    }
+
+    // How far passes move a unit of 1/w, as the light is looked at from here and not from where
+    // their rays started.
+    void find_ways(size_t n_passes) {
+        if (h_.uv.empty()) return;
+        auto& passes = s_.passes;
+        const auto* order = reinterpret_cast<const std::int32_t*>(h_.order.data());
+        for (size_t i = 0; i < n_passes; i += lanes) {
+            const VU sample =
+                hn::IfThenElseZero(hn::FirstN(un, n_passes - i), hn::LoadU(un, &passes.sample[i]));
+            const VI from = hn::ShiftLeft<1>(hn::GatherIndex(sn, order, hn::BitCast(sn, sample)));
+            const VF lx = hn::GatherIndex(f, h_.uv.view().data(), from),
+                     ly = hn::GatherIndex(f, h_.uv.view().data() + 1, from);
+            hn::StoreU(hn::Mul(hn::Set(f, lens_x_), hn::Sub(hn::Set(f, lx_), lx)), f,
+                       &passes.way_x[i]);
+            hn::StoreU(hn::Mul(hn::Set(f, lens_y_), hn::Sub(hn::Set(f, ly_), ly)), f,
+                       &passes.way_y[i]);
+        }
     }
 
     // Whether one of the passes is free of the surface of a hit, and nearer than it.
