@@ -18,6 +18,9 @@ struct Compare {
             .in<Image>("image", "pictures to judge, named by the nodes they come from",
                        Need::variadic)
             .in<Image>("reference", "the true picture, of the same size and colour space")
+            .in<Image>("where",
+                       "first channel: what a pixel counts for rmse and relmse; unset: all alike",
+                       Need::optional)
             .out<Table>("table", "a row a picture: rmse, relmse, psnr (dB), ssim, flip")
             .out<Image>("error", "where the first picture errs, in false colour, sRGB")
             .choice("error", &Compare::error, {"flip", "relative", "absolute"},
@@ -31,11 +34,13 @@ struct Compare {
         const Image& reference = in.get<Image>("reference");
         const std::vector<const Image*> images = in.all<Image>("image");
         const std::vector<std::string>& names = in.names("image");
+        const Image* where = in.find<Image>("where");
         Table table = measures_table();
         for (size_t i = 0; i < images.size(); ++i) {
             const std::string name = i < names.size() ? names[i] : fmt::format("{}", i + 1);
             try {
-                Comparison found = compare_pictures(*images[i], reference, ctx, error, range);
+                Comparison found =
+                    compare_pictures(*images[i], reference, ctx, error, range, where);
                 add_row(table, name, found.measures);
                 if (i == 0 && out.wanted("error")) out.set("error", std::move(found.error));
             } catch (const Error& e) {

@@ -84,6 +84,27 @@ void check_alike(const Image& picture, const Image& reference) {
                         picture.color_space, reference.color_space));
 }
 
+// What each pixel counts, checked; empty: 1.
+std::vector<float> weights_of(const Image* where, const Image& reference) {
+    if (!where) return {};
+    if (where->width() != reference.width() || where->height() != reference.height())
+        throw Error(fmt::format("'where' is {} x {}, the reference {} x {}; expected the same size",
+                                where->width(), where->height(), reference.width(),
+                                reference.height()));
+    std::vector<float> weights(size_t(where->width()) * size_t(where->height()));
+    double sum = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+        weights[i] = where->pixels()[i * size_t(where->channels())];
+        if (!(weights[i] >= 0) || !std::isfinite(weights[i]))
+            throw Error(fmt::format("'where' is {} at pixel {}, {}; expected weights from 0 up",
+                                    weights[i], i % size_t(where->width()),
+                                    i / size_t(where->width())));
+        sum += double(weights[i]);
+    }
+    if (sum == 0) throw Error("'where' is 0 everywhere; expected a pixel that counts");
+    return weights;
+}
+
 // A picture that does not say its space is taken to be in the other's.
 Image spaced(const Image& picture, const Image& other) {
     Image copy = picture;
@@ -113,7 +134,7 @@ std::vector<float> value_map(const RgbPixels& a, const RgbPixels& b, ErrorKind k
 }  // namespace
 
 Comparison compare_pictures(const Image& picture, const Image& reference, Context& ctx,
-                            ErrorKind kind, float range) {
+                            ErrorKind kind, float range, const Image* where) {
     check_alike(picture, reference);
     const RgbPixels a = rgb_values(picture), b = rgb_values(reference);
     if (a.not_finite)
@@ -125,15 +146,19 @@ Comparison compare_pictures(const Image& picture, const Image& reference, Contex
     const double count = double(a.values.size());
     Comparison result;
     Measures& m = result.measures;
+    const std::vector<float> weights = weights_of(where, reference);
+    const auto weight = [&](size_t i) { return weights.empty() ? 1.0 : double(weights[i / 3]); };
+    const double weighed = weights.empty() ? count : sum_over(a, ctx, weight);
     m.rmse = std::sqrt(
-        sum_over(a, ctx, [&](size_t i) { return square(double(a.values[i]) - b.values[i]); }) /
-        count);
+        sum_over(a, ctx,
+                 [&](size_t i) { return weight(i) * square(double(a.values[i]) - b.values[i]); }) /
+        weighed);
     m.rel_mse = sum_over(a, ctx,
                          [&](size_t i) {
-                             return square(double(a.values[i]) - b.values[i]) /
+                             return weight(i) * square(double(a.values[i]) - b.values[i]) /
                                     (square(b.values[i]) + 0.01);
                          }) /
-                count;
+                weighed;
     const RgbPixels da = display_of(picture, reference, ctx),
                     db = display_of(reference, picture, ctx);
     const double mse =

@@ -1,6 +1,7 @@
 // How far a picture is from its reference.
 //   rmse      root of the mean squared difference of the values as they are, over pixels and R G B
 //   rel_mse   mean of (a - b)^2 / (b^2 + 0.01), b the reference
+// These two over all pixels, or by a weight a pixel; the others always over all.
 //   psnr      dB, of un-tone-mapped sRGB in [0, 1]; infinite where equal
 //   ssim      Wang et al. 2004 on the luma of the same: Gaussian window 11 x 11, deviation 1.5,
 //             K1 = 0.01, K2 = 0.03; mean over pixels whose window lies inside
@@ -27,9 +28,11 @@ struct Comparison {
     Image error;  // of the kind asked for, false colour, sRGB
 };
 
-// Throws Error where sizes or colour spaces differ.
+// Throws Error where sizes or colour spaces differ, or `where` (a weight a pixel, none below 0;
+// null: all count alike) has another size or weighs nothing.
 Comparison compare_pictures(const Image& picture, const Image& reference, Context& ctx,
-                            ErrorKind kind = ErrorKind::flip, float range = 1);
+                            ErrorKind kind = ErrorKind::flip, float range = 1,
+                            const Image* where = nullptr);
 // The same of two files (`weft compare`).
 Comparison compare_files(const std::string& picture, const std::string& reference, Context& ctx);
 

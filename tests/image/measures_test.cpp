@@ -60,6 +60,27 @@ TEST(Measures, RelativeErrorIsOverEachChannelOfTheReference) {
     EXPECT_NEAR(compare_pictures(a, b, ctx).measures.rel_mse, expected, 1e-9);
 }
 
+TEST(Measures, PixelsCountByTheirWeight) {
+    PlainContext ctx;
+    Image a = flat(4, 1, 0.5f, 0.5f, 0.5f), where(4, 1, 1);
+    const Image b = a;
+    for (int c = 0; c < 3; ++c) a.at(1, 0)[c] += 0.3f, a.at(2, 0)[c] += 9;
+    *where.at(0, 0) = 2, *where.at(1, 0) = 1;
+    const auto measured = [&] {
+        return compare_pictures(a, b, ctx, ErrorKind::flip, 1, &where).measures;
+    };
+    EXPECT_NEAR(measured().rmse, 0.3 / std::sqrt(3.0), 1e-6);
+    EXPECT_NEAR(measured().rel_mse, 0.09 / 0.26 / 3, 1e-6);
+    for (float& weight : where.pixels()) weight = 1;
+    EXPECT_EQ(measured().rmse, compare_pictures(a, b, ctx).measures.rmse);
+    *where.at(3, 0) = -1;
+    EXPECT_NE(error_of(measured).find("'where' is -1 at pixel 3, 0"), std::string::npos);
+    for (float& weight : where.pixels()) weight = 0;
+    EXPECT_NE(error_of(measured).find("a pixel that counts"), std::string::npos);
+    where = Image(3, 1, 1);
+    EXPECT_NE(error_of(measured).find("'where' is 3 x 1"), std::string::npos);
+}
+
 TEST(Measures, LinearPicturesAreJudgedAsUntoneMappedSrgb) {
     PlainContext ctx;
     // Equal on the screen: both white there.
