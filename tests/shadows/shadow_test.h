@@ -63,8 +63,9 @@ struct ShadowSetup {
     double reach = 3;        // receivers lie in [-reach, reach]^2
     int spp = 16;            // light samples a light pixel
     bool timed = false;
+    double open = 0, close = 1;  // of the samples' and the receivers' times
     unsigned seed = 1;
-    bool rays = true;     // by rays; else by triangles, as published
+    bool rays = true;   // by rays; else by triangles, as published
     double search = 1;  // R, by rays
     Occluder occluder;
 
@@ -111,16 +112,17 @@ class ShadowTest {
         const size_t n = size_t(points) * size_t(points);
         at.own_pixels.assign(n, 0);
         at.pixels = at.own_pixels;
-        std::vector<int> order(n);
-        for (size_t i = 0; i < n; ++i) order[i] = int(i);
-        std::shuffle(order.begin(), order.end(), random);
+        // Times are even over the shutter, and over each row and column of the light's points.
+        const size_t turn = random() % size_t(points);
         for (size_t i = 0; i < n; ++i) {
             const auto l = view_.point((double(i % size_t(points)) + unit(random)) / points,
                                        (double(i / size_t(points)) + unit(random)) / points, p);
             const auto q = view_.project(p, l[0], l[1]);
             at.x.push_back(float(q[0])), at.y.push_back(float(q[1]));
             at.u.push_back(float(l[0])), at.v.push_back(float(l[1]));
-            at.t.push_back(float((order[i] + unit(random)) / double(n)));
+            const size_t slot = (i / size_t(points) + i + turn) % size_t(points);
+            at.t.push_back(float(set_.open + (set_.close - set_.open) *
+                                                 (double(slot) + unit(random)) / points));
         }
         ask.inverse_depth.assign(n, float(1 / p.z));
         ask.slope_x.assign(n, float(slope[0]));
@@ -193,7 +195,7 @@ class ShadowTest {
                     Point3 p{-reach + (i + fx) * pixel, -reach + (j + fy) * pixel, 0};
                     p.z = set_.depth_at(p.x, p.y);
                     shadows::LightHit hit;
-                    hit.t = set_.timed ? unit(random) : 0.5;
+                    hit.t = set_.timed ? set_.open + (set_.close - set_.open) * unit(random) : 0.5;
                     const auto l = view_.point(unit(random), unit(random), p);
                     hit.lx = l[0], hit.ly = l[1];
                     hit.at = p, hit.normal = set_.normal;
