@@ -110,14 +110,12 @@ SeenCell FactoredSheared::seen(const ShearedFilter::Filter& f, int y, size_t row
         for (int c = 0; c < 3; ++c)
             each.rgb[c] = double(s.rgb[c]), each.rgb_x[c] = each.rgb[c] * each.x;
         double whole = 0;
-        const auto [first, last] = LensPieces::columns(x);
-        for (size_t k = first; k <= last; ++k) {
-            const Interval across = x.in(LensPieces::column(k));
-            if (across.empty() || pieces_.v[k].empty()) continue;
-            const double w = double(s.stands) * double(gaussian_over(across, s.u, f.sigma_lens));
+        LensPieces::each_column(x, {s.u, f.sigma_lens}, [&](size_t k, float across) {
+            if (pieces_.v[k].empty()) return;
+            const double w = double(s.stands) * double(across);
             out.of[k].add(w, each);
             whole += w;
-        }
+        });
         if (!(whole > 0)) continue;
         out.w += whole, out.squares += whole * whole;
         out.y += whole * double(s.y), out.v += whole * double(s.v);
@@ -134,10 +132,13 @@ void FactoredSheared::add(const ShearedFilter::Filter& f, const SeenCell& cell,
     const Interval in = inside_box(y - f.y, f.coc_y, f.half_y, v, -1, 1);
     if (in.empty()) return;
     SeenCell::Sums sums;
+    const GaussianMass mass(v, f.sigma_lens);
+    const double whole = double(mass.in(in));
     for (size_t k = 0; k < lens_columns; ++k) {
         const Interval along = in.in(pieces_.v[k]);
         if (cell.of[k].w > 0 && !along.empty())
-            sums.add(double(gaussian_over(along, v, f.sigma_lens)), cell.of[k]);
+            sums.add(along.a == in.a && along.b == in.b ? whole : double(mass.in(along)),
+                     cell.of[k]);
     }
     if (!(sums.w > 0)) return;
     const auto dy = double(y - f.y - f.coc_y * v);

@@ -18,12 +18,19 @@ struct LensPieces {
     std::array<Interval, lens_columns> v;  // empty where no part of the lens is
     static constexpr float width = 2.0f / lens_columns;
     static Interval column(size_t k) { return {float(k) * width - 1, float(k + 1) * width - 1}; }
-    // The columns [first, last] that an interval of u meets.
-    static std::array<size_t, 2> columns(Interval u) {
+    // work(k, mass) for the columns that an interval of u meets, with what lies of it in each.
+    template <class Work>
+    static void each_column(Interval u, const GaussianMass& mass, const Work& work) {
         const auto of = [](float at) {
             return size_t(std::clamp((at + 1) / width, 0.0f, float(lens_columns - 1)));
         };
-        return {of(u.a), of(u.b)};
+        const size_t last = of(u.b);
+        float before = mass(u.a);
+        for (size_t k = of(u.a); k <= last; ++k) {
+            const float here = mass(k < last ? column(k).b : u.b);
+            work(k, here - before);
+            before = here;
+        }
     }
 };
 

@@ -104,13 +104,15 @@ float ShearedFilter::lens_weight(const Filter& f, float dx, float dy, float u, f
 
 float ShearedFilter::pieces_weight(const Filter& f, Interval x, Interval y, float u,
                                    float v) const {
+    const GaussianMass along(v, f.sigma_lens);
+    const float whole = along.in(y);
     float sum = 0;
-    const auto [first, last] = LensPieces::columns(x);
-    for (size_t k = first; k <= last; ++k) {
-        const Interval across = x.in(LensPieces::column(k)), along = y.in(pieces_.v[k]);
-        if (!across.empty() && !along.empty())
-            sum += gaussian_over(across, u, f.sigma_lens) * gaussian_over(along, v, f.sigma_lens);
-    }
+    LensPieces::each_column(x, {u, f.sigma_lens}, [&](size_t k, float across) {
+        const Interval part = y.in(pieces_.v[k]);
+        // Most often all of y lies in the column.
+        if (!part.empty())
+            sum += across * (part.a == y.a && part.b == y.b ? whole : along.in(part));
+    });
     return sum;
 }
 

@@ -48,13 +48,24 @@ inline Interval inside_box(float offset, float speed, float half, float at, floa
     return {std::max(lo, middle - reach), std::min(hi, middle + reach)};
 }
 
-// Integral of exp(-(s - at)^2 / (2 sigma^2)) over an interval, in units that do not matter; its
-// length where sigma is infinite.
+// Integral of exp(-(s - at)^2 / (2 sigma^2)) from some place to s, in units that do not matter; the
+// way itself where sigma is infinite. What lies in an interval is the difference of its ends.
+class GaussianMass {
+  public:
+    GaussianMass(float at, float sigma)
+        : at_(at),
+          height_(sigma < INFINITY ? sigma * 1.2533141f : 0),
+          scale_(1 / (sigma * std::numbers::sqrt2_v<float>)) {}
+    float operator()(float s) const {
+        return height_ > 0 ? height_ * error_function((s - at_) * scale_) : s;
+    }
+    float in(Interval over) const { return (*this)(over.b) - (*this)(over.a); }
+
+  private:
+    float at_, height_, scale_;
+};
 inline float gaussian_over(Interval over, float at, float sigma) {
-    if (!(sigma < INFINITY)) return over.length();
-    const float scale = 1 / (sigma * std::numbers::sqrt2_v<float>);
-    return sigma * 1.2533141f *
-           (error_function((over.b - at) * scale) - error_function((over.a - at) * scale));
+    return GaussianMass(at, sigma).in(over);
 }
 
 // Area of the unit disc within [0, x] x [0, y], signed as x y.

@@ -153,6 +153,32 @@ TEST(FactoredSheared, of_jittered_samples_is_as_good) {
     }
 }
 
+// Oracle: a square lens of half width C leaves sinc(2 C / L) of a wave.
+TEST(FactoredSheared, of_a_square_lens_is_what_it_leaves) {
+    const double table[] = {.9003163, .6366198, .3001054, 0};
+    for (int c = 1; c <= 4; ++c) {
+        EXPECT_NEAR(sinc(2 * c / 8.), table[c - 1], 1e-7);
+        Lens lens = square_lens();
+        lens.c1 = float(c * std::sqrt(2.));  // the square's corners are on the rim
+        BufferShape shape{48, 40, 1, std::uint64_t(c)};
+        shape.moving = false, shape.c1 = lens.c1;
+        const double coc = double(lens.c1);
+        const Samples samples = grid_of_scene(
+            shape, 3, lens,
+            [&](double x, double, double, double u, double) {
+                return SeenPoint{.5 + .5 * std::sin(2 * pi_here * (x - coc * u) / 8), INFINITY};
+            },
+            1);
+        const Image slopes = slopes_of(samples);
+        const auto exact = [&](int x, int) {
+            return .5 + .5 * sinc(1 / 8.) * table[c - 1] * std::sin(2 * pi_here * (x + .5) / 8);
+        };
+        EXPECT_LT(rmse_of(factored(samples, slopes), exact, 12, 10), .02) << c;
+        EXPECT_LT(rmse_of(sheared(samples, slopes, "closed", "pixel-mean"), exact, 12, 10), .02)
+            << c;
+    }
+}
+
 TEST(FactoredSheared, keeps_a_constant_to_the_bit) {
     for (int i = 0; i < 6; ++i) {
         BufferShape shape{24, 20, 4, std::uint64_t(i)};

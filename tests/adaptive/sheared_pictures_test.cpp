@@ -132,5 +132,50 @@ TEST(ShowSpectrum, runs_over_either_axis_and_says_what_it_lacks) {
               std::string::npos);
 }
 
+// Numbers that are none, anywhere in a buffer: pictures of the rest, or an error that is one.
+TEST(ShearedNodes, bear_garbage_in_any_channel) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 0, -1};
+    for (int round = 0; round < 12; ++round) {
+        BufferShape shape{24, 20, 1 + round % 4, std::uint64_t(round)};
+        if (round % 3) shape.c0 = float(8 * unit(random) - 4), shape.c1 = float(4 * unit(random));
+        Samples samples = samples_of_scene(shape, grating(8, 6, 2));
+        for (const char* name : {"uv", "t", "z", "motion", "rgb"}) {
+            const Channel* channel = samples.find(name);
+            if (!channel) continue;
+            std::vector<float> values(channel->values.view().begin(), channel->values.view().end());
+            for (float& v : values)
+                if (unit(random) < .05) v = bad[random() % std::size(bad)];
+            samples.add(name, channel->components, std::move(values));
+        }
+        const auto finite = [&](const char* who, const Image& image) {
+            for (const float v : image.pixels()) ASSERT_TRUE(std::isfinite(v)) << who << round;
+        };
+        for (const char* effect : {"motion", "lens", "both"}) {
+            const Image slopes = RunNode("slope-bounds")
+                                     .in("samples", samples)
+                                     .set("effect", effect)
+                                     .out<Image>("slopes");
+            for (const char* type : {"sheared-filter", "factored-sheared", "several-axis-aligned",
+                                     "show-footprints"}) {
+                RunNode node(type);
+                node.in("samples", samples).in("slopes", slopes);
+                if (type == std::string_view("factored-sheared")) node.set("order", "any");
+                try {
+                    finite(type, node.out<Image>("image"));
+                } catch (const Error& error) {
+                    EXPECT_FALSE(std::string(error.what()).empty());
+                }
+            }
+            const Image counts =
+                RunNode("sampling-density").in("slopes", slopes).out<Image>("counts");
+            finite("sampling-density", counts);
+        }
+        for (const char* type : {"trajectory-splat", "slope-layers"})
+            finite(type, RunNode(type).in("samples", samples).out<Image>("image"));
+    }
+}
+
 }  // namespace
 }  // namespace weft

@@ -62,7 +62,7 @@ const Wave waves[] = {{8, 6}, {16, 24}, {4, 3}};
 TEST(ShearedFilter, of_a_moving_texture_is_far_better_than_its_samples) {
     EXPECT_NEAR(.5 * sinc(6 / 8.) * sinc(1 / 8.), .14622568, 1e-8);
     double worst = 0;
-    for (const Wave& w : {waves[0], waves[1]}) {
+    for (const Wave& w : waves) {
         double filtered = 0, plain = 0;
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
             // Independent rows: one-dimensional pictures.
@@ -72,9 +72,11 @@ TEST(ShearedFilter, of_a_moving_texture_is_far_better_than_its_samples) {
             filtered += std::pow(rmse_of(sheared(samples), exact, 25), 2) / 4;
             plain += std::pow(rmse_of(box(samples), exact, 25), 2) / 4;
         }
-        RecordProperty("sheared", std::to_string(std::sqrt(filtered)));
-        RecordProperty("plain", std::to_string(std::sqrt(plain)));
-        EXPECT_LT(std::sqrt(filtered), .035) << w.L << ", plain " << std::sqrt(plain);
+        RecordProperty("sheared_" + std::to_string(int(w.L)), std::to_string(std::sqrt(filtered)));
+        RecordProperty("plain_" + std::to_string(int(w.L)), std::to_string(std::sqrt(plain)));
+        // At wavelength 4 a path of 3 px crosses but a dozen samples.
+        EXPECT_LT(std::sqrt(filtered), w.L > 4 ? .035 : .05)
+            << w.L << ", plain " << std::sqrt(plain);
         worst = std::max(worst, std::sqrt(filtered / plain));
     }
     EXPECT_LT(worst, .6);
