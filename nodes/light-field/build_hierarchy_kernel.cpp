@@ -94,8 +94,8 @@ void bound_group(Hierarchy& h, size_t g) {
     std::uint8_t moves = 0;
     bool bounded = true;
     for (size_t i = begin; i < end; ++i) {
-        const float W = h.W[i], VW = h.moving ? h.VW[i] : 0.0f;
-        const float VX = h.moving ? h.VX[i] : 0.0f, VY = h.moving ? h.VY[i] : 0.0f;
+        const float W = h.W[i];
+        const auto [VX, VY, VW] = h.velocity(i);
         if (VW != 0)
             moves = 2;
         else if (VX != 0 || VY != 0)
@@ -116,9 +116,10 @@ void bound_group(Hierarchy& h, size_t g) {
     if (slope.high < slope.low) slope = vx = vy = {0, 0};
     Range x, y;
     for (size_t i = begin; i < end && bounded; ++i) {
-        const float W = h.W[i], VW = h.moving ? h.VW[i] : 0.0f;
-        const Range mx = drift(h.X[i], h.moving ? h.VX[i] : 0.0f, W, VW, vx.middle());
-        const Range my = drift(h.Y[i], h.moving ? h.VY[i] : 0.0f, W, VW, vy.middle());
+        const float W = h.W[i];
+        const auto [VX, VY, VW] = h.velocity(i);
+        const Range mx = drift(h.X[i], VX, W, VW, vx.middle());
+        const Range my = drift(h.Y[i], VY, W, VW, vy.middle());
         float far = 0;
         for (float d : {-0.5f, 0.5f})
             far = std::max(far, std::abs(c0 / (W + d * VW) + c1 - slope.middle()));
@@ -164,9 +165,7 @@ void allocate(Hierarchy& h, bool colored) {
                          &g.y_high, &g.slope_spread, &g.velocity_x_spread, &g.velocity_y_spread})
         values->resize(count);
     for (auto* values : {&h.X, &h.Y, &h.W}) values->resize(count * Hierarchy::group_size);
-    if (h.moving)
-        for (auto* values : {&h.VX, &h.VY, &h.VW}) values->resize(count * Hierarchy::group_size);
-    if (h.moving && colored) h.paths.resize(4 * n);
+    if (h.moving) h.paths.resize(4 * count * Hierarchy::group_size);
     if (colored) h.rgba.resize(4 * n);
 }
 
@@ -188,16 +187,15 @@ void take_planes(const Samples& samples, Hierarchy& h, Context& ctx) {
     });
 }
 
-Paths paths_of(Hierarchy& h, size_t begin) {
-    Paths to{&h.X[begin], &h.Y[begin], &h.W[begin], nullptr, nullptr, nullptr};
-    if (h.moving) to.VX = &h.VX[begin], to.VY = &h.VY[begin], to.VW = &h.VW[begin];
-    return to;
+void put_path(Hierarchy& h, size_t i, float VX, float VY, float VW) {
+    float* to = &h.paths[4 * i];
+    to[0] = h.W[i], to[1] = VX, to[2] = VY, to[3] = VW;
 }
 
 void place_nowhere(Hierarchy& h, size_t i) {
     h.X[i] = h.Y[i] = 0;
     h.W[i] = -1;
-    if (h.moving) h.VX[i] = h.VY[i] = h.VW[i] = 0;
+    if (h.moving) put_path(h, i, 0, 0, 0);
 }
 
 void build_levels(Hierarchy& h) {
@@ -274,20 +272,23 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     constexpr size_t chunk = Fetched::most, groups = chunk / Hierarchy::group_size;
     ctx.parallel(h.groups.size(), groups * 16, [&](size_t first, size_t last) {
         Fetched fetched;
+        std::array<std::array<float, chunk>, 3> velocity;
+        auto& [VX, VY, VW] = velocity;
         for (size_t g = first; g < last; g += groups) {
             const size_t begin = g * Hierarchy::group_size,
                          end = std::min({begin + chunk, last * Hierarchy::group_size, n});
             fetched.fetch(places, std::span(h.order).subspan(begin, end - begin));
-            WEFT_PICK(recentre)(fetched.places(places), h.lens, end - begin, paths_of(h, begin));
+            WEFT_PICK(recentre)
+            (fetched.places(places), h.lens, end - begin,
+             {&h.X[begin], &h.Y[begin], &h.W[begin], h.moving ? VX.data() : nullptr, VY.data(),
+              VW.data()});
             for (size_t i = begin; i < end && colored; ++i) {
                 const size_t from = h.order[i];
                 for (size_t c = 0; c < 3; ++c) h.rgba[4 * i + c] = rgb[3 * from + c];
                 h.rgba[4 * i + 3] = alpha.empty() ? 1.0f : alpha[from];
             }
-            for (size_t i = begin; i < end && !h.paths.empty(); ++i) {
-                float* to = &h.paths[4 * i];
-                to[0] = h.W[i], to[1] = h.VX[i], to[2] = h.VY[i], to[3] = h.VW[i];
-            }
+            for (size_t i = begin; i < end && h.moving; ++i)
+                put_path(h, i, VX[i - begin], VY[i - begin], VW[i - begin]);
             for (size_t i = end; i % Hierarchy::group_size; ++i) place_nowhere(h, i);
             for (size_t bounded = g; bounded < std::min(g + groups, last); ++bounded)
                 bound_group(h, bounded);

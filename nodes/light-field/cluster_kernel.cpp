@@ -43,13 +43,14 @@ void look_up(const Candidates& c, size_t l, const SameSurface& test, bool veloci
     for (size_t i = 0; i < n; ++i) depth[i] = h.W[sample[i]];
     if (h.moving) {
         float* VW = found.slope_y;
-        for (size_t i = 0; i < n; ++i) VW[i] = h.VW[sample[i]];
+        for (size_t i = 0; i < n; ++i) VW[i] = h.velocity(sample[i]).w;
         for (size_t i = 0; i < n; i += lanes)
             hn::StoreU(hn::MulAdd(time, hn::LoadU(f, VW + i), hn::LoadU(f, depth + i)), f, depth + i);
         if (velocities) {
             for (size_t i = 0; i < n; ++i) {
-                found.velocity_x[i] = h.VX[sample[i]];
-                found.velocity_y[i] = h.VY[sample[i]];
+                const Hierarchy::Velocity velocity = h.velocity(sample[i]);
+                found.velocity_x[i] = velocity.x;
+                found.velocity_y[i] = velocity.y;
             }
             for (size_t i = 0; i < n; i += lanes) {
                 const VF inverse = hn::Div(way, hn::LoadU(f, depth + i)), w = hn::LoadU(f, VW + i);

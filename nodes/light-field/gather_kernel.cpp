@@ -5,6 +5,7 @@
 #include "light-field/grid_reach.h"
 #include "light-field/group_test.h"
 #include "light-field/kernels.h"
+#include "light-field/path_vectors.h"
 #include "light-field/projected_entries.h"
 
 namespace weft::light_field::WEFT_ISA {
@@ -134,9 +135,8 @@ void gather_each(const Hierarchy& h, Block& block, const Locations& at, float ra
                     VF X = hn::LoadU(f, &h.X[j]), Y = hn::LoadU(f, &h.Y[j]), W = hn::LoadU(f, &h.W[j]);
                     VF VX = zero, VY = zero, VW = zero;
                     if (h.moving) {
-                        VX = hn::LoadU(f, &h.VX[j]);
-                        VY = hn::LoadU(f, &h.VY[j]);
-                        VW = hn::LoadU(f, &h.VW[j]);
+                        const PathVectors path(&h.paths[4 * j]);
+                        VX = path.VX, VY = path.VY, VW = path.VW;
                         X = hn::MulAdd(time, VX, X);
                         Y = hn::MulAdd(time, VY, Y);
                         W = hn::MulAdd(time, VW, W);

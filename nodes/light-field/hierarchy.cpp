@@ -8,7 +8,7 @@
 namespace weft {
 
 size_t Hierarchy::bytes() const {
-    size_t floats = X.size() + Y.size() + W.size() + VX.size() + VY.size() + VW.size() + paths.size() +
+    size_t floats = X.size() + Y.size() + W.size() + paths.size() +
                     rgba.size() + plane_x.size() + plane_y.size() + end.size() + order.size();
     floats += radii.size() + 10 * groups.size();
     for (const Rects& level : levels) floats += 4 * level.size();

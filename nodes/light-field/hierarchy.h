@@ -37,10 +37,9 @@ class Hierarchy {
     // nowhere (W < 0). Position at lens centre and time t: (X + (t - 1/2) VX) / (W + (t - 1/2) VW),
     // y likewise; a sample is there while the divisor is above 0.
     LargeArray<float> X, Y, W;
-    LargeArray<float> VX, VY, VW;  // empty where nothing moves
-    LargeArray<float> paths;       // W, VX, VY, VW again, side by side, for samples here and there
-    LargeArray<float> rgba;        // 4 a sample: radiance, alpha
-    // Where a light sees them, in the place of paths and radiance: the change of 1/w a px of film
+    LargeArray<float> paths;  // W, VX, VY, VW, 4 a sample; empty where nothing moves
+    LargeArray<float> rgba;   // 4 a sample: radiance, alpha
+    // Where a light sees them, in the place of radiance: the change of 1/w a px of film
     // of each sample's surface (empty: not known), and its `end` (shadows/passing_rays_kernel.h;
     // empty: 0).
     LargeArray<float> plane_x, plane_y, end;
@@ -68,6 +67,16 @@ class Hierarchy {
     std::vector<Rects> levels;
 
     size_t size() const { return order.size(); }  // samples, without the filling
+
+    // VX, VY, VW of a sample.
+    struct Velocity {
+        float x = 0, y = 0, w = 0;
+    };
+    Velocity velocity(size_t i) const {
+        if (!moving) return {};
+        const float* path = &paths[4 * i];
+        return {path[1], path[2], path[3]};
+    }
     size_t bytes() const;
 
     // Throws Error where samples have no radiance.

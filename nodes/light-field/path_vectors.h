@@ -1,6 +1,6 @@
 // How samples here and there move, as vectors. For kernels (weft_kernels).
 #pragma once
-#include "light-field/simd.h"
+#include "light-field/record_vectors.h"
 
 namespace weft::light_field::WEFT_ISA {
 
@@ -9,6 +9,15 @@ namespace weft::light_field::WEFT_ISA {
 // would fetch the same four values of a sample one by one.
 struct PathVectors {
     VF W, VX, VY, VW;
+
+    // Those of samples that follow one another.
+    HWY_INLINE explicit PathVectors(const float* paths) {
+        const RecordVectors of(paths);
+        W = in_order(of.first());
+        VX = in_order(of.second());
+        VY = in_order(of.third());
+        VW = in_order(of.fourth());
+    }
 
     HWY_INLINE PathVectors(const float* paths, const std::uint32_t* list, size_t count) {
         using Quad = hn::FixedTag<float, 4>;

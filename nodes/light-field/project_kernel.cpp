@@ -4,6 +4,7 @@
 
 #include "light-field/group_test.h"
 #include "light-field/kernels.h"
+#include "light-field/path_vectors.h"
 #include "light-field/simd.h"
 
 namespace weft::light_field::WEFT_ISA {
@@ -86,15 +87,15 @@ struct Projector {
     template <bool moving, bool depths>
     HWY_INLINE void group(size_t begin) {
         for (size_t i = begin; i < begin + Hierarchy::group_size; i += lanes) {
-            VF X = hn::LoadU(f, &h.X[i]), Y = hn::LoadU(f, &h.Y[i]), W = hn::LoadU(f, &h.W[i]);
-            VF VX = zero, VY = zero, VW = zero;
+            VF X = hn::LoadU(f, &h.X[i]), Y = hn::LoadU(f, &h.Y[i]), W, VX, VY, VW;
             if constexpr (moving) {
-                VX = hn::LoadU(f, &h.VX[i]);
-                VY = hn::LoadU(f, &h.VY[i]);
-                VW = hn::LoadU(f, &h.VW[i]);
+                const PathVectors path(&h.paths[4 * i]);
+                VX = path.VX, VY = path.VY, VW = path.VW;
                 X = hn::MulAdd(time, VX, X);
                 Y = hn::MulAdd(time, VY, Y);
-                W = hn::MulAdd(time, VW, W);
+                W = hn::MulAdd(time, VW, path.W);
+            } else {
+                W = hn::LoadU(f, &h.W[i]);
             }
             const VF inverse = hn::Div(one, W);
             const VF slope = hn::MulAdd(c0, inverse, c1);

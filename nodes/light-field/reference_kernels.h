@@ -21,7 +21,7 @@ struct Seen {
 };
 inline Seen see(const Hierarchy& h, size_t i, float u, float v, float t) {
     const float d = t - 0.5f;
-    const float VX = h.moving ? h.VX[i] : 0, VY = h.moving ? h.VY[i] : 0, VW = h.moving ? h.VW[i] : 0;
+    const auto [VX, VY, VW] = h.velocity(i);
     Seen s{};
     s.depth = h.W[i] + d * VW;
     s.there = s.depth > 0;

@@ -46,14 +46,14 @@ Trajectory Candidates::trajectory(size_t l, size_t k) const {
     const size_t i = offset[l] + k, j = sample[i];
     const float d = t_of(l) - 0.5f;
     Trajectory out;
-    const float VW = h.moving ? h.VW[j] : 0.0f;
+    const auto [VX, VY, VW] = h.velocity(j);
     out.depth = h.W[j] + d * VW;
     out.slope_y = h.lens.c0 / out.depth + h.lens.c1;
     out.slope_x = out.slope_y * h.lens.aspect;
     if (h.moving) {
         // d/dt of (X + d VX) / w + (C0 / w + C1) u with w = W + d VW, by what it is at the location.
-        out.velocity_x = (h.VX[j] - VW * (x[l] + dx[i] - h.lens.c1 * h.lens.aspect * u_of(l))) / out.depth;
-        out.velocity_y = (h.VY[j] - VW * (y[l] + dy[i] - h.lens.c1 * v_of(l))) / out.depth;
+        out.velocity_x = (VX - VW * (x[l] + dx[i] - h.lens.c1 * h.lens.aspect * u_of(l))) / out.depth;
+        out.velocity_y = (VY - VW * (y[l] + dy[i] - h.lens.c1 * v_of(l))) / out.depth;
     }
     return out;
 }

@@ -74,7 +74,7 @@ class Planes {
     }
     // w of sample s of the hierarchy, d = t - 1/2.
     float depth_at(std::uint32_t s, float d) const {
-        return h_.W[s] + (h_.moving ? d * h_.VW[s] : 0.0f);
+        return h_.W[s] + d * h_.velocity(s).w;
     }
     // w of its plane (dx, dy) px away: at a place from which the sample lies at (dx, dy).
     float depth_beside(std::uint32_t s, float dx, float dy, float lx, float ly, float d) const {

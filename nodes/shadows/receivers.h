@@ -48,7 +48,10 @@ class Receivers {
         r.sample = h_.order[s];
         const Point3 middle{double(h_.X[s]), double(h_.Y[s]), double(h_.W[s])};
         Point3 half;
-        if (h_.moving) half = Point3{double(h_.VX[s]), double(h_.VY[s]), double(h_.VW[s])} * 0.5;
+        if (h_.moving) {
+            const Hierarchy::Velocity v = h_.velocity(s);
+            half = Point3{double(v.x), double(v.y), double(v.w)} * 0.5;
+        }
         const Point3 open = to_light_[0].point(middle - half),
                      close = to_light_[1].point(middle + half);
         r.open = floats(open), r.way = floats(close - open);
