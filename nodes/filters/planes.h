@@ -2,14 +2,15 @@
 // may read past these edges.
 #pragma once
 #include <cstddef>
-#include <vector>
+
+#include "runtime/large_array.h"
 
 namespace weft::kernel {
 
 struct Planes {
     int width = 0, height = 0, margin = 0, count = 0;
     size_t pitch = 0, size = 0;  // floats from row to row, from plane to plane
-    std::vector<float> values;
+    LargeArray<float> values;
 
     Planes() = default;
     Planes(int picture_width, int picture_height, int planes, int margin_px)
@@ -19,7 +20,7 @@ struct Planes {
         pitch = (size_t(width) + 2 * size_t(margin) + 31) / 16 * 16;
         if (pitch % 256 == 0) pitch += 16;
         size = pitch * size_t(height);
-        values.resize(size * size_t(count) + pitch + 64);
+        values.resize(size * size_t(count) + pitch + 64, 0.0f);
     }
     // Pixel 0 of row y of the picture; x may be `margin` and a vector outside.
     float* row(int plane, int y) { return values.data() + offset(plane, y); }

@@ -31,7 +31,7 @@ Image::Image(int width, int height, std::vector<std::string> channel_names)
     : width_(width), height_(height), names_(std::move(channel_names)) {
     if (width < 0 || height < 0)
         throw Error(fmt::format("a picture of {} x {} pixels cannot be made", width, height));
-    pixels_.resize(size_t(width_) * size_t(height_) * names_.size());
+    pixels_.resize(size_t(width_) * size_t(height_) * names_.size(), 0.0f);
 }
 
 Image Image::like(const Image& other) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/large_array.h"
 #include "runtime/value.h"
 
 namespace weft {
@@ -42,7 +43,7 @@ class Image {
   private:
     int width_ = 0, height_ = 0;
     std::vector<std::string> names_;
-    std::vector<float> pixels_;
+    LargeArray<float> pixels_;
 };
 
 WEFT_VALUE_TYPE(Image, "Image", "a picture, float, any channels")

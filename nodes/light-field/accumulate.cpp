@@ -41,7 +41,7 @@ struct Accumulate : FilterChoice {
     struct Result {
         Extent extent;
         int around = 0;           // pixels to each side that a location counts for
-        std::vector<float> sums;  // pixels x (2 around + 1)^2 x values
+        LargeArray<float> sums;  // pixels x (2 around + 1)^2 x values
         std::atomic<const std::string*> color_space = nullptr;
     };
 
