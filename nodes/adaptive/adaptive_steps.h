@@ -1,7 +1,7 @@
 // Adaptive sampling by steps, for renderers that no node can call: between two steps somebody
-// renders the requests. The state is a sample buffer: what was sampled so far and, black, what is asked for
-// now, with `request`; under "adaptive" in its meta the settings. The boxes are made again from it:
-// they are a function of these, and cost less than any sample.
+// renders the requests. The state is a sample buffer: what was sampled so far and, black, what is
+// asked for now, with `request`; under "adaptive" in its meta the settings. The boxes are made
+// again from it: they are a function of these, and cost less than any sample.
 #pragma once
 #include <memory>
 

@@ -5,22 +5,18 @@
 //   for all its locations. How far around is found out as it goes, and changes no bit.
 // Cost: some 0.7 us a location in three dimensions.
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <numeric>
 
-#include "adaptive/near_samples.h"
+#include "adaptive/anisotropic_radiance.h"
 #include "runtime/node.h"
 
 namespace weft {
 namespace {
 using namespace adaptive;
 
-enum class Blend { nearest, tent };
-
 struct AnisotropicReconstruct {
     int candidates = 12;
-    Blend blend = Blend::nearest;
+    Blend blend = Blend::linear;
 
     static void declare(Ports<AnisotropicReconstruct>& node) {
         node.about(
@@ -34,22 +30,19 @@ struct AnisotropicReconstruct {
                    {.unit = "samples",
                     .min = 1,
                     .max = 256,
-                    .about = "nearest ones, by plain distance, that are looked at"})
-            .choice("blend", &AnisotropicReconstruct::blend, {"nearest", "tent"},
-                    {.about = "the nearest alone, or the three nearest by how much nearer they are "
-                              "than the next"});
+                    .about = "of blend nearest: the nearest ones, by plain distance, that are "
+                             "looked at; the others look at those within whose 64 nearest "
+                             "a location lies"})
+            .choice("blend", &AnisotropicReconstruct::blend, {"nearest", "tent", "linear"},
+                    {.about = "the nearest alone; the three nearest by how much nearer they are "
+                              "than the next (tent); the same, each going on by its gradient as "
+                              "far as its neighbours go (linear)"});
     }
 
-    struct Candidate {
-        float distance2;
-        std::int32_t by_metric, near;
-    };
     struct Scratch {
-        NearSamples near;
-        LeastDistance distances;
-        std::vector<Candidate> mixed;
+        AnisotropicRadiance::Scratch of;
         std::vector<std::uint32_t> order;
-        float reach = 1;
+        std::vector<float> x, y;
     };
 
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
@@ -62,10 +55,18 @@ struct AnisotropicReconstruct {
         colors.color_space = &samples.color_space;
         colors.rgba.assign(4 * at.size(), 1);
         colors.valid.assign(at.size(), 1);
-        const float* rgb = samples.rgb().data();
+        const AnisotropicRadiance radiance(metrics, samples.rgb().data(), candidates, blend);
+        std::array<float, most_axes> other{};
+        const auto take_other = [&](size_t l) {
+            for (size_t d = 2; d < metrics.dimensions(); ++d)
+                other[d] = place_of(metrics.space, d, at, l);
+        };
         if (!at.shared) {
-            for (size_t l = 0; l < at.size(); ++l)
-                reconstruct(metrics, at, rgb, l, l + 1, colors, scratch);
+            for (size_t l = 0; l < at.size(); ++l) {
+                take_other(l);
+                radiance.at(std::span(&at.x[l], 1), std::span(&at.y[l], 1), other.data(),
+                            scratch.of, [&](size_t) { return &colors.rgba[4 * l]; });
+            }
             return;
         }
         // Locations come row by row: those of one block, then of the next.
@@ -82,90 +83,21 @@ struct AnisotropicReconstruct {
             const std::uint32_t ba = block_of(a), bb = block_of(b);
             return ba != bb ? ba < bb : a < b;
         });
+        scratch.x.clear(), scratch.y.clear();
+        for (const std::uint32_t l : order)
+            scratch.x.push_back(at.x[l]), scratch.y.push_back(at.y[l]);
+        if (!order.empty()) take_other(0);
         for (size_t begin = 0, end; begin < order.size(); begin = end) {
             const std::uint32_t block = block_of(order[begin]);
             for (end = begin + 1; end < order.size() && block_of(order[end]) == block;) ++end;
-            reconstruct(metrics, at, rgb, begin, end, colors, scratch);
+            radiance.at(std::span(scratch.x).subspan(begin, end - begin),
+                        std::span(scratch.y).subspan(begin, end - begin), other.data(), scratch.of,
+                        [&](size_t i) { return &colors.rgba[4 * size_t(order[begin + i])]; });
         }
-    }
-
-  private:
-    // Locations order[begin] ... order[end - 1], which share (u, v, t) and lie close together.
-    void reconstruct(const Metrics& metrics, const Locations& at, const float* rgb, size_t begin,
-                     size_t end, Colors& colors, Scratch& scratch) const {
-        const auto location = [&](size_t k) { return at.shared ? size_t(scratch.order[k]) : k; };
-        Block block{3e38f, 3e38f, -3e38f, -3e38f};
-        for (size_t k = begin; k < end; ++k) {
-            const float x = at.x[location(k)], y = at.y[location(k)];
-            block = {std::min(block.x0, x), std::min(block.y0, y), std::max(block.x1, x),
-                     std::max(block.y1, y)};
-        }
-        std::array<float, most_axes> other{};
-        for (size_t d = 2; d < metrics.dimensions(); ++d)
-            other[d] = place_of(metrics.space, d, at, location(begin));
-        const auto wanted = std::int32_t(std::min(size_t(candidates), metrics.size()));
-        float& reach = scratch.reach;
-        bool all = gather(metrics, block, other.data(), reach, scratch.near), grown = false;
-        for (size_t k = begin; k < end; ++k) {
-            const size_t l = location(k);
-            while (true) {
-                const float within = all ? 1e29f : reach * reach;
-                const std::int32_t winner = WEFT_PICK(least_distance)(
-                    scratch.near, at.x[l], at.y[l], wanted, within, scratch.distances);
-                if (winner != not_known) {
-                    if (blend == Blend::nearest)
-                        std::copy_n(&rgb[3 * sample(metrics, scratch, winner)], 3,
-                                    &colors.rgba[4 * l]);
-                    else
-                        mix_three(metrics, rgb, wanted, scratch, &colors.rgba[4 * l]);
-                    break;
-                }
-                reach *= 1.25f;
-                grown = true;
-                all = gather(metrics, block, other.data(), reach, scratch.near);
-            }
-        }
-        if (!grown) reach *= 0.95f;
-    }
-    static size_t sample(const Metrics& metrics, const Scratch& scratch, std::int32_t near) {
-        return metrics.tree->order()[scratch.near.place[size_t(near)]];
-    }
-    // Of the candidates the three nearest by metric; a weight is 0 where the fourth is as near, so
-    // that a sample comes in without a step.
-    static void mix_three(const Metrics& metrics, const float* rgb, std::int32_t wanted,
-                          Scratch& scratch, float* to) {
-        std::vector<Candidate>& all = scratch.mixed;
-        all.clear();
-        for (size_t i = 0; i < scratch.near.size; ++i)
-            all.push_back(
-                {scratch.distances.distance2[i], scratch.distances.by_metric[i], std::int32_t(i)});
-        const auto by_distance = [](const Candidate& a, const Candidate& b) {
-            return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.near < b.near;
-        };
-        std::nth_element(all.begin(), all.begin() + (wanted - 1), all.end(), by_distance);
-        all.resize(size_t(wanted));
-        std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
-            return a.by_metric != b.by_metric ? a.by_metric < b.by_metric : a.near < b.near;
-        });
-        const auto distance = [&](size_t k) {
-            return std::sqrt(std::bit_cast<float>(all[k].by_metric));
-        };
-        const size_t three = std::min<size_t>(3, all.size());
-        const float far = all.size() > 3 ? distance(3) : 2 * distance(all.size() - 1);
-        float sum[3] = {}, weights = 0;
-        for (size_t k = 0; k < three; ++k) {
-            const float weight = far > 0 ? 1 - distance(k) / far : 1;
-            for (size_t c = 0; c < 3; ++c)
-                sum[c] += weight * rgb[3 * sample(metrics, scratch, all[k].near) + c];
-            weights += weight;
-        }
-        for (size_t c = 0; c < 3; ++c)
-            to[c] =
-                weights > 0 ? sum[c] / weights : rgb[3 * sample(metrics, scratch, all[0].near) + c];
     }
 };
 
-WEFT_NODE(AnisotropicReconstruct, "anisotropic-reconstruct", 1)
+WEFT_NODE(AnisotropicReconstruct, "anisotropic-reconstruct", 2)
 
 }  // namespace
 }  // namespace weft

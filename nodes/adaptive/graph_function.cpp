@@ -37,7 +37,8 @@ GraphFunction::GraphFunction(const std::string& file, const Json& set, Context& 
     Loaded loaded = load_graph_text(around(file, set), name, registry, options);
     std::string findings;
     for (const Diagnostic& finding : loaded.findings)
-        if (finding.level == Diagnostic::Level::error) findings += fmt::format("\n{}", to_text(finding));
+        if (finding.level == Diagnostic::Level::error)
+            findings += fmt::format("\n{}", to_text(finding));
     if (!findings.empty())
         throw Error(
             fmt::format("'{}' is no function of points; expected a graph with an input "

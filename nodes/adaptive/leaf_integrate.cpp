@@ -1,17 +1,19 @@
 // leaf-integrate: a picture of boxes. Source: Meister and Hachisuka 2022, whose boxes are as bright
-// as the mean of their samples all over (order constant).  Departure: by default radiance changes
-// linearly within a box, through that mean at its samples' mean place, as gradients of the samples
-// around say; so it matters less where in their box samples fell. The lens' axes are left out:
-// there boxes lie in the square, samples in the disk.
+// as the mean of their samples all over (order constant).  Departure: by default radiance within a
+// box is what samples in and around it say by their own distances, at points of the box; as in
+// Hachisuka et al. 2008, who cut boxes into cells and took the nearest sample of each. So it
+// matters less where in their box samples fell, and what passes through a box is not smeared over
+// it.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "adaptive/anisotropic_radiance.h"
 #include "adaptive/leaf_tree.h"
-#include "adaptive/metrics.h"
 #include "adaptive/structure_tensors_kernel.h"
 #include "image/image.h"
 #include "runtime/node.h"
+#include "samples/lens_shape.h"
 #include "samples/samples.h"
 
 namespace weft {
@@ -20,13 +22,6 @@ namespace {
 using namespace adaptive;
 
 enum class Order { constant, linear };
-
-// Of each box, three channels: how radiance changes, and between what it stays.
-struct BoxSlopes {
-    std::vector<float> gradient;     // 3 x axes a box, per px
-    std::vector<float> place;        // axes a box, px: of its samples, in the mean
-    std::vector<float> least, most;  // 3 a box
-};
 
 struct LeafIntegrate {
     Order order = Order::linear;
@@ -39,7 +34,8 @@ struct LeafIntegrate {
             .in<LeafTree>("leaves", "its boxes")
             .out<Image>("image", "R G B")
             .choice("order", &LeafIntegrate::order, {"constant", "linear"},
-                    {.about = "whether radiance changes within a box"});
+                    {.about = "whether radiance changes within a box, as the samples in and around "
+                              "it say"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
@@ -49,12 +45,12 @@ struct LeafIntegrate {
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const LeafTree& leaves = in.get<LeafTree>("leaves");
+        const Samples& samples = in.get<Samples>("samples");
         const size_t axes = leaves.dimensions();
         Image image(leaves.width, leaves.height, 3);
-        image.color_space = in.get<Samples>("samples").color_space;
-        const BoxSlopes slopes = order == Order::linear
-                                     ? slopes_of(in.get<Samples>("samples"), leaves, ctx)
-                                     : BoxSlopes{};
+        image.color_space = samples.color_space;
+        Metrics metrics;
+        if (order == Order::linear) metrics = metrics_of(samples, leaves, ctx);
         // The leaves of each band of rows, in their order.
         constexpr int band = 16;
         std::vector<std::vector<std::uint32_t>> of_band(size_t((leaves.height + band - 1) / band));
@@ -66,94 +62,56 @@ struct LeafIntegrate {
         }
         ctx.parallel(of_band.size(), 1, [&](size_t begin, size_t end) {
             for (size_t b = begin; b < end; ++b)
-                add_band(leaves, slopes, of_band[b], int(b) * band,
+                add_band(leaves, samples, metrics, of_band[b], int(b) * band,
                          std::min(int(b + 1) * band, leaves.height), image);
         });
         out.set("image", std::move(image));
     }
 
   private:
-    static float value(const LeafTree& leaves, const BoxSlopes& slopes, size_t l, size_t c,
-                       const float* middle) {
-        const size_t axes = leaves.dimensions();
-        const float mean = leaves.mean[3 * l + c];
-        if (slopes.gradient.empty() || leaves.first[l + 1] == leaves.first[l]) return mean;
-        float change = 0;
-        for (size_t d = 0; d < axes; ++d)
-            change +=
-                slopes.gradient[(3 * l + c) * axes + d] * (middle[d] - slopes.place[l * axes + d]);
-        return std::clamp(mean + change, slopes.least[3 * l + c], slopes.most[3 * l + c]);
-    }
-    // Gradients of a box' samples, and of what is around them, in the mean. Radiance goes beyond
-    // what its samples have by as much as these differ.
-    static BoxSlopes slopes_of(const Samples& samples, const LeafTree& leaves, Context& ctx) {
+    static Metrics metrics_of(const Samples& samples, const LeafTree& leaves, Context& ctx) {
         samples.require("leaf-integrate", {"rgb"});
-        const Metrics metrics = metrics_over(samples, &leaves, "leaf-integrate");
-        const PointTree& tree = *metrics.tree;
-        const size_t axes = leaves.dimensions();
-        std::vector<float> rgb;
-        std::vector<std::uint32_t> place(samples.size());
-        for (std::uint32_t k = 0; k < tree.size(); ++k) {
-            const size_t i = tree.order()[k];
-            place[i] = k;
-            rgb.insert(rgb.end(), &samples.rgb()[3 * i], &samples.rgb()[3 * i] + 3);
-        }
-        const std::vector<float> all = gradients(tree, rgb, TensorSettings{}, ctx);
-        BoxSlopes slopes;
-        slopes.gradient.resize(3 * axes * leaves.size());
-        slopes.place.resize(axes * leaves.size());
-        for (size_t l = 0; l < leaves.size(); ++l) {
-            const float share = 1 / float(std::max(1u, leaves.first[l + 1] - leaves.first[l]));
-            float least[3] = {3e38f, 3e38f, 3e38f}, most[3] = {-3e38f, -3e38f, -3e38f};
-            for (std::uint32_t k = leaves.first[l]; k < leaves.first[l + 1]; ++k) {
-                const size_t at = place[leaves.samples[k]];
-                for (size_t d = 0; d < axes; ++d) {
-                    slopes.place[l * axes + d] += share * tree.at(d)[at];
-                    const bool lens = leaves.axes[d] == "u" || leaves.axes[d] == "v";
-                    for (size_t c = 0; c < 3 && !lens; ++c)
-                        slopes.gradient[(3 * l + c) * axes + d] +=
-                            share * all[(3 * at + c) * axes + d];
-                }
-                for (size_t c = 0; c < 3; ++c) {
-                    least[c] = std::min(least[c], rgb[3 * at + c]);
-                    most[c] = std::max(most[c], rgb[3 * at + c]);
-                }
-            }
-            for (size_t c = 0; c < 3; ++c) {
-                slopes.least.push_back(least[c] - (most[c] - least[c]));
-                slopes.most.push_back(most[c] + (most[c] - least[c]));
-            }
-        }
-        return slopes;
+        Metrics metrics = metrics_over(samples, &leaves, "leaf-integrate");
+        metrics.vary(samples.rgb(), TensorSettings{}, ctx);
+        return metrics;
     }
-    static void add_band(const LeafTree& leaves, const BoxSlopes& slopes,
+    // What of a box lies over the pixels of some rows.
+    struct Piece {
+        size_t pixel;
+        float x0, y0, x1, y1;
+    };
+    static void add_band(const LeafTree& leaves, const Samples& samples, const Metrics& metrics,
                          const std::vector<std::uint32_t>& which, int y0, int y1, Image& image) {
         const size_t axes = leaves.dimensions(), width = size_t(leaves.width);
         std::vector<double> sums(4 * width * size_t(y1 - y0));  // r g b volume
+        std::vector<Piece> pieces;
+        std::vector<float> rgb;
+        PointsOfBox points(leaves, samples);
+        const AnisotropicRadiance radiance(metrics, samples.rgb().data(), 1, Blend::linear);
+        AnisotropicRadiance::Scratch scratch;
         for (const std::uint32_t l : which) {
             const float *lo = &leaves.lo[l * axes], *hi = &leaves.hi[l * axes];
             double above = 1;
             for (size_t d = 2; d < axes; ++d) above *= double(hi[d]) - double(lo[d]);
-            for (int y = std::max(y0, int(lo[1])); y < y1 && float(y) < hi[1]; ++y) {
-                const double in_y =
-                    std::min(double(hi[1]), y + 1.0) - std::max(double(lo[1]), double(y));
-                for (int x = int(lo[0]); x < leaves.width && float(x) < hi[0]; ++x) {
-                    const double share =
-                        above * in_y *
-                        (std::min(double(hi[0]), x + 1.0) - std::max(double(lo[0]), double(x)));
-                    double* to = &sums[4 * (size_t(y - y0) * width + size_t(x))];
-                    // The middle of what box and pixel share.
-                    std::array<float, most_axes> middle{};
-                    for (size_t d = 0; d < axes; ++d) {
-                        const float pixel = d == 0 ? float(x) : float(y);
-                        middle[d] =
-                            d < 2 ? 0.5f * (std::max(lo[d], pixel) + std::min(hi[d], pixel + 1))
-                                  : 0.5f * (lo[d] + hi[d]);
-                    }
-                    for (size_t c = 0; c < 3; ++c)
-                        to[c] += share * double(value(leaves, slopes, l, c, middle.data()));
-                    to[3] += share;
-                }
+            pieces.clear();
+            for (int y = std::max(y0, int(lo[1])); y < y1 && float(y) < hi[1]; ++y)
+                for (int x = int(lo[0]); x < leaves.width && float(x) < hi[0]; ++x)
+                    pieces.push_back({size_t(y - y0) * width + size_t(x), std::max(lo[0], float(x)),
+                                      std::max(lo[1], float(y)), std::min(hi[0], float(x + 1)),
+                                      std::min(hi[1], float(y + 1))});
+            rgb.assign(3 * pieces.size(), 0.0f);
+            if (metrics.size() == 0)
+                for (size_t i = 0; i < pieces.size(); ++i)
+                    std::copy_n(&leaves.mean[3 * l], 3, &rgb[3 * i]);
+            else
+                points.mean(l, pieces, radiance, scratch, rgb);
+            for (size_t i = 0; i < pieces.size(); ++i) {
+                const Piece& p = pieces[i];
+                const double share =
+                    above * (double(p.x1) - double(p.x0)) * (double(p.y1) - double(p.y0));
+                double* to = &sums[4 * p.pixel];
+                for (size_t c = 0; c < 3; ++c) to[c] += share * double(rgb[3 * i + c]);
+                to[3] += share;
             }
         }
         for (int y = y0; y < y1; ++y)
@@ -163,9 +121,85 @@ struct LeafIntegrate {
                     image.at(int(x), y)[c] = from[3] > 0 ? float(from[c] / from[3]) : 0.0f;
             }
     }
+
+    // Points of a box over each of its pieces: half a pixel apart along the other axes, 16 at most,
+    // by multiples of powers of the root of x^(D + 1) = x + 1 (Roberts 2018).
+    class PointsOfBox {
+      public:
+        PointsOfBox(const LeafTree& leaves, const Samples& samples)
+            : leaves_(leaves),
+              shape_(samples.lens.value_or(Lens{})),
+              shutter_(shutter_of(samples.meta)) {
+            double root = 2;
+            for (int i = 0; i < 64; ++i)
+                root = std::pow(1 + root, 1.0 / double(leaves.dimensions() + 1));
+            double power = 1;
+            for (size_t d = 0; d < leaves.dimensions(); ++d) steps_[d] = power /= root;
+            for (size_t d = 0; d < leaves.dimensions(); ++d) {
+                if (leaves.axes[d] == "u") u_ = d;
+                if (leaves.axes[d] == "v") v_ = d;
+                if (leaves.axes[d] == "t") t_ = d;
+            }
+        }
+        // Mean radiance over each piece of box `l`.
+        void mean(size_t l, const std::vector<Piece>& pieces, const AnisotropicRadiance& radiance,
+                  AnisotropicRadiance::Scratch& scratch, std::vector<float>& rgb) {
+            const size_t axes = leaves_.dimensions();
+            const float *lo = &leaves_.lo[l * axes], *hi = &leaves_.hi[l * axes];
+            double wanted = 1;
+            for (size_t d = 2; d < axes; ++d) wanted *= std::ceil(2 * double(hi[d] - lo[d]));
+            const auto n = size_t(std::clamp(wanted, 1.0, 16.0));
+            x_.resize(pieces.size()), y_.resize(pieces.size());
+            found_.resize(3 * pieces.size());
+            std::vector<float>& first = first_;
+            for (size_t k = 0; k < n; ++k) {
+                std::array<float, most_axes> place{};
+                const auto number = [&](size_t d) {
+                    const double turned = 0.5 + steps_[d] * double(k + 1);
+                    return float(turned - std::floor(turned));
+                };
+                // The last axis in equal steps.
+                for (size_t d = 2; d < axes; ++d) {
+                    const float along = d + 1 == axes ? (float(k) + 0.5f) / float(n) : number(d);
+                    place[d] = lo[d] + (hi[d] - lo[d]) * along;
+                }
+                to_samples(place.data());
+                for (size_t i = 0; i < pieces.size(); ++i) {
+                    x_[i] = pieces[i].x0 + (pieces[i].x1 - pieces[i].x0) * number(0);
+                    y_[i] = pieces[i].y0 + (pieces[i].y1 - pieces[i].y0) * number(1);
+                }
+                radiance.at(x_, y_, place.data(), scratch,
+                            [&](size_t i) { return &found_[3 * i]; });
+                // Differences to the first: what is the same everywhere stays so to the bit.
+                if (k == 0) first = found_;
+                for (size_t i = 0; i < rgb.size(); ++i) rgb[i] += (found_[i] - first[i]) / float(n);
+            }
+            for (size_t i = 0; i < rgb.size(); ++i) rgb[i] += first[i];
+        }
+
+      private:
+        // Boxes lie in the square of the lens and in the shutter's numbers, samples on the lens and
+        // in time.
+        void to_samples(float* place) const {
+            const std::vector<float>& extent = leaves_.extent;
+            if (u_ > 0 && v_ > 0) {
+                const auto on = on_lens(place[u_] / extent[u_], place[v_] / extent[v_], shape_);
+                place[u_] = 0.5f * (on[0] + 1) * extent[u_];
+                place[v_] = 0.5f * (on[1] + 1) * extent[v_];
+            }
+            if (t_ > 0) place[t_] = shutter_.time(place[t_] / extent[t_]) * extent[t_];
+        }
+
+        const LeafTree& leaves_;
+        Lens shape_;
+        ShutterCurve shutter_;
+        std::array<double, most_axes> steps_{};
+        size_t u_ = 0, v_ = 0, t_ = 0;  // axes; 0: there is none
+        std::vector<float> x_, y_, found_, first_;
+    };
 };
 
-WEFT_NODE(LeafIntegrate, "leaf-integrate", 2)
+WEFT_NODE(LeafIntegrate, "leaf-integrate", 3)
 
 }  // namespace
 }  // namespace weft

@@ -17,6 +17,20 @@ Metrics metrics_over(const Samples& samples, const LeafTree* leaves, std::string
     return metrics;
 }
 
+void Metrics::vary(std::span<const float> rgb, const adaptive::TensorSettings& settings,
+                   Context& ctx) {
+    std::vector<float> ordered;
+    ordered.reserve(rgb.size());
+    for (const std::uint32_t i : tree->order())
+        ordered.insert(ordered.end(), &rgb[3 * size_t(i)], &rgb[3 * size_t(i)] + 3);
+    adaptive::Variation found = adaptive::variation(*tree, ordered, settings, ctx);
+    upper = std::move(found.upper);
+    gradient = std::move(found.gradient);
+    least = std::move(found.least);
+    most = std::move(found.most);
+    supports = std::move(found.supports);
+}
+
 void Metrics::describe(FieldVisitor& see) const {
     see.field("upper", std::span(upper), int(numbers()));
     if (tree) see.field("sample", tree->order());

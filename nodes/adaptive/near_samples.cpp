@@ -14,6 +14,7 @@ void NearSamples::clear() {
     for (auto* values : {&x, &y, &off2, &xx, &xy, &yy, &bx, &by, &rest}) values->clear();
     place.clear();
     size = 0;
+    support2.clear();
 }
 
 void NearSamples::pad() {
@@ -33,7 +34,7 @@ bool gather(const Metrics& metrics, const Block& block, const float* other, floa
     const auto outside = [](float lo, float hi, float at_lo, float at_hi) {
         return std::max({lo - at_hi, at_lo - hi, 0.0f});
     };
-    const auto keep = [&](const float* lo, const float* hi) {
+    const auto keep = [&](const float* lo, const float* hi, size_t) {
         const float dx = outside(lo[0], hi[0], block.x0, block.x1),
                     dy = outside(lo[1], hi[1], block.y0, block.y1);
         float d2 = dx * dx + dy * dy;
@@ -78,6 +79,31 @@ bool gather(const Metrics& metrics, const Block& block, const float* other, floa
     });
     near.pad();
     return near.size == tree.size();
+}
+
+void gather(const Metrics& metrics, const Block& block, const float* other, NearSamples& near) {
+    const Supports& supports = metrics.supports;
+    const PointTree& tree = *metrics.tree;
+    const size_t axes = tree.dimensions();
+    SampleRun run{axes, {}, metrics.upper.data(), supports.squared.data()};
+    for (size_t d = 0; d < axes; ++d) run.at[d] = tree.at(d).data();
+    const std::array<float, 4> sides{block.x0, block.y0, block.x1, block.y1};
+    near.size = 0;
+    tree.visit(
+        [&](const float* lo, const float* hi, size_t node) {
+            const float dx = std::max({lo[0] - block.x1, block.x0 - hi[0], 0.0f}),
+                        dy = std::max({lo[1] - block.y1, block.y0 - hi[1], 0.0f});
+            float d2 = dx * dx + dy * dy;
+            for (size_t d = 2; d < axes; ++d) {
+                const float off = std::max({lo[d] - other[d], other[d] - hi[d], 0.0f});
+                d2 += off * off;
+            }
+            return d2 <= supports.of_node[node];
+        },
+        [&](size_t begin, size_t end) {
+            WEFT_PICK(append_near)(run, begin, end, sides.data(), other, near);
+        });
+    WEFT_PICK(pad_near)(near);
 }
 
 }  // namespace weft::adaptive

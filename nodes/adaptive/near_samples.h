@@ -14,6 +14,9 @@ struct Block {
 bool gather(const Metrics& metrics, const Block& block, const float* other, float reach,
             NearSamples& near);
 
+// Those that count at any place of the block, with their supports.
+void gather(const Metrics& metrics, const Block& block, const float* other, NearSamples& near);
+
 // Entry of `upper` for row a, column b >= a, of a matrix of n rows.
 constexpr size_t upper_index(size_t a, size_t b, size_t n) {
     return a * n - a * (a + 1) / 2 + b;

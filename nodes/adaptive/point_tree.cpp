@@ -55,6 +55,17 @@ PointTree::PointTree(const std::vector<std::span<const float>>& axes) {
     }
 }
 
+std::vector<float> PointTree::largest(std::span<const float> values) const {
+    std::vector<float> all(nodes_.size());
+    for (size_t i = nodes_.size(); i-- > 0;) {
+        const Node& node = nodes_[i];
+        all[i] = node.second > 0
+                     ? std::max(all[i + 1], all[node.second])
+                     : *std::max_element(values.begin() + node.begin, values.begin() + node.end);
+    }
+    return all;
+}
+
 float PointTree::distance2(const float* point, std::uint32_t node) const {
     const float *lo = &bounds_[2 * dimensions() * node], *hi = lo + dimensions();
     float sum = 0;

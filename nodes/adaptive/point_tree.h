@@ -31,8 +31,11 @@ class PointTree {
     // The `count` nearest, nearest first; all where there are fewer.
     void nearest(const float* point, size_t count, std::vector<Near>& found) const;
 
+    // Of each node of the tree, the largest of its points' values (in the tree's order).
+    std::vector<float> largest(std::span<const float> values) const;
+
     // take(begin, end) for runs of points, in the tree's order, of boxes for which
-    // keep(lo, hi) holds (D numbers each) and so does it for every box around them.
+    // keep(lo, hi, node) holds (D numbers each) and so does it for every box around them.
     template <class Keep, class Take>
     void visit(Keep&& keep, Take&& take) const {
         if (nodes_.empty()) return;
@@ -42,8 +45,8 @@ class PointTree {
         while (n > 0) {
             const std::uint32_t i = later[--n];
             const Node& node = nodes_[i];
-            if (!keep(&bounds_[2 * dimensions() * i],
-                      &bounds_[2 * dimensions() * i + dimensions()]))
+            if (!keep(&bounds_[2 * dimensions() * i], &bounds_[2 * dimensions() * i + dimensions()],
+                      i))
                 continue;
             if (node.second == 0) {
                 take(size_t(node.begin), size_t(node.end));

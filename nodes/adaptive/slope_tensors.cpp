@@ -52,6 +52,7 @@ struct SlopeTensors {
                      &metrics.upper[metrics.numbers() * i]);
             },
             4096);
+        metrics.supports = supports_of(*metrics.tree, ctx);
         out.set("tensors", std::move(metrics));
     }
 
@@ -86,7 +87,7 @@ struct SlopeTensors {
     }
 };
 
-WEFT_NODE(SlopeTensors, "slope-tensors", 1)
+WEFT_NODE(SlopeTensors, "slope-tensors", 2)
 
 }  // namespace
 }  // namespace weft

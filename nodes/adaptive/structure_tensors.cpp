@@ -11,8 +11,8 @@ namespace {
 using namespace adaptive;
 
 struct StructureTensors {
-    int neighbours = 48;
-    float floor = 0.05f, ridge = 1e-6f;
+    int neighbours = 24, averaged = 96;
+    float floor = 0.001f, ridge = 1e-6f;
 
     static void declare(Ports<StructureTensors>& node) {
         node.about(
@@ -30,10 +30,17 @@ struct StructureTensors {
                     .max = 256,
                     .about = "nearest ones that a gradient is fitted to; at least three an axis "
                              "are taken"})
+            .param("averaged", &StructureTensors::averaged,
+                   {.unit = "samples",
+                    .min = 3,
+                    .max = 1024,
+                    .about = "nearest ones whose tensors are averaged"})
             .param("floor", &StructureTensors::floor,
                    {.min = 1e-6,
                     .max = 1,
-                    .about = "least eigenvalue over the largest: 1 makes all distances Euclidean"})
+                    .about =
+                        "least eigenvalue over the largest: 1 makes all distances Euclidean; below "
+                        "0.05 in rounds, each of which may be four times below the one before"})
             .param("ridge", &StructureTensors::ridge,
                    {.min = 0,
                     .max = 1,
@@ -45,20 +52,15 @@ struct StructureTensors {
         const LeafTree* leaves = in.find<LeafTree>("leaves");
         samples.require("structure-tensors", {"xy", "rgb"});
         Metrics metrics = metrics_over(samples, leaves, "structure-tensors");
-        const PointTree& tree = *metrics.tree;
-        std::vector<float> rgb;
-        rgb.reserve(3 * samples.size());
-        for (const std::uint32_t i : tree.order())
-            rgb.insert(rgb.end(), &samples.rgb()[3 * size_t(i)], &samples.rgb()[3 * size_t(i)] + 3);
-        TensorSettings settings{std::max(size_t(neighbours), 3 * metrics.dimensions()), floor,
-                                ridge};
-        const auto slopes = gradients(tree, rgb, settings, ctx);
-        metrics.upper = structure_metrics(tree, rgb, slopes, settings, ctx);
+        metrics.vary(samples.rgb(),
+                     {std::max(size_t(neighbours), 3 * metrics.dimensions()), size_t(averaged),
+                      floor, ridge},
+                     ctx);
         out.set("tensors", std::move(metrics));
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 1)
+WEFT_NODE(StructureTensors, "structure-tensors", 2)
 
 }  // namespace
 }  // namespace weft

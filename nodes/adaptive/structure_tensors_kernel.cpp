@@ -3,105 +3,246 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adaptive/neighbourhood_kernel.h"
+
 namespace weft::adaptive {
 namespace {
 
-constexpr size_t samples_in_piece = 1024;
+constexpr size_t buckets_in_piece = 64;
+constexpr size_t pool_of = 2;  // times as many as are averaged are looked at
 
-// work(place, neighbours nearest first) for each sample, its own among them.
-template <class Work>
-void around_each(const PointTree& tree, size_t neighbours, Context& ctx, Work&& work) {
-    ctx.parallel(tree.size(), samples_in_piece, [&](size_t begin, size_t end) {
-        std::vector<PointTree::Near> near;
-        std::array<float, most_axes> at{};
-        for (size_t i = begin; i < end; ++i) {
-            for (size_t d = 0; d < tree.dimensions(); ++d) at[d] = tree.at(d)[i];
-            tree.nearest(at.data(), neighbours + 1, near);
-            work(i, near);
+// The buckets of the tree, and all that its samples are looked at with.
+class Surroundings {
+  public:
+    Surroundings(const PointTree& tree, std::span<const float> rgb, const TensorSettings& settings)
+        : tree_(tree), settings_(settings), axes_(tree.dimensions()) {
+        const size_t n = tree.size();
+        for (size_t c = 0; c < 3; ++c) {
+            channels_[c].resize(n);
+            for (size_t i = 0; i < n; ++i) channels_[c][i] = rgb[3 * i + c];
+            rgb_[c] = channels_[c].data();
         }
-    });
-}
-double weight(const PointTree::Near& near, const std::vector<PointTree::Near>& all) {
-    const double farthest = double(all.back().distance2);
-    return farthest > 0 ? std::exp(-2 * double(near.distance2) / farthest) : 1.0;
+        tree.visit([](const float*, const float*, size_t) { return true; },
+                   [&](size_t begin, size_t end) {
+                       buckets_.push_back({begin, end});
+                   });
+        within2_.resize(n);
+    }
+
+    // work(i, around, neighbourhood) for each sample i, with about `count` neighbours: by metrics
+    // of `upper`, or Euclidean where it is empty.
+    template <class Work>
+    void around_each(const std::vector<float>& upper, size_t count, Context& ctx, Work&& work) {
+        const size_t numbers = axes_ * (axes_ + 1) / 2, wanted = std::min(count, tree_.size()),
+                     pool =
+                         std::min(tree_.size(),
+                                  pool_of * std::max(settings_.averaged, settings_.neighbours) + 1);
+        ctx.parallel(buckets_.size(), buckets_in_piece, [&](size_t begin, size_t end) {
+            SamplesAround around;
+            Neighbourhood found, pooled;
+            std::array<float, most_axes> centre{};
+            float reach = 1;
+            for (size_t b = begin; b < end; ++b) {
+                const auto [first, last] = buckets_[b];
+                const auto at = [&](size_t i) {
+                    for (size_t d = 0; d < axes_; ++d) centre[d] = tree_.at(d)[i];
+                    return centre.data();
+                };
+                if (upper.empty()) {
+                    reach *= 0.9f;
+                    gather(b, reach, around);
+                    for (size_t i = first; i < last; ++i) {
+                        while (!WEFT_PICK(find_neighbours)(around, axes_, at(i), nullptr,
+                                                           reach * reach, pool, pooled)) {
+                            reach *= 1.3f;
+                            gather(b, reach, around);
+                        }
+                        within2_[i] = pooled.radius2;
+                    }
+                } else {
+                    float most = 0;
+                    for (size_t i = first; i < last; ++i) most = std::max(most, within2_[i]);
+                    gather(b, std::sqrt(most) * 1.0001f, around);
+                }
+                found.guess = 0;
+                for (size_t i = first; i < last; ++i) {
+                    WEFT_PICK(find_neighbours)
+                    (around, axes_, at(i), upper.empty() ? nullptr : &upper[numbers * i],
+                     within2_[i], wanted, found);
+                    work(i, around, found);
+                }
+            }
+        });
+    }
+
+    // Fits gradients, notes limits, and makes each sample's own tensor.
+    void fit(size_t i, const SamplesAround& around, Neighbourhood& near, Variation& made,
+             std::vector<float>& tensors) const {
+        std::array<float, most_axes> centre{};
+        for (size_t d = 0; d < axes_; ++d) centre[d] = tree_.at(d)[i];
+        const NeighbourSums sums =
+            WEFT_PICK(sum_neighbours)(around, axes_, centre.data(), rgb_, std::uint32_t(i), near);
+        float* gradient = &made.gradient[3 * axes_ * i];
+        std::fill_n(gradient, 3 * axes_, 0.0f);
+        for (size_t c = 0; c < 3; ++c) {
+            made.least[3 * i + c] = sums.least[c];
+            made.most[3 * i + c] = sums.most[c];
+        }
+        float* tensor = &tensors[axes_ * (axes_ + 1) / 2 * i];
+        std::fill_n(tensor, axes_ * (axes_ + 1) / 2, 0.0f);
+        if (!(near.radius2 > 0)) return;  // all in one place: nothing is known, and 0 says so
+        const double w = double(sums.w);
+        Matrix squares{};
+        size_t k = 0;
+        for (size_t a = 0; a < axes_; ++a)
+            for (size_t b = a; b < axes_; ++b, ++k)
+                squares[b][a] = double(sums.dd[k]) - double(sums.d[a]) * double(sums.d[b]) / w;
+        for (size_t a = 0; a < axes_; ++a)
+            squares[a][a] += double(settings_.ridge) * double(near.radius2);
+        for (size_t c = 0; c < 3; ++c) {
+            std::array<double, most_axes> slope{};
+            for (size_t a = 0; a < axes_; ++a)
+                slope[a] =
+                    double(sums.df[c * axes_ + a]) - double(sums.d[a]) * double(sums.f[c]) / w;
+            solve(squares, axes_, slope);
+            // Against brightness, as the eye sees it: without it, dark places would vary least.
+            const double level = std::max(double(rgb_[c][i]) + double(sums.f[c]) / w, 0.0) + 0.1;
+            size_t at = 0;
+            for (size_t a = 0; a < axes_; ++a) {
+                gradient[axes_ * c + a] = float(slope[a]);
+                for (size_t b = a; b < axes_; ++b, ++at)
+                    tensor[at] += float(slope[a] * slope[b] / (level * level));
+            }
+        }
+    }
+
+    size_t reached() const {
+        return std::min(tree_.size(),
+                        pool_of * std::max(settings_.averaged, settings_.neighbours) + 1);
+    }
+    Supports supports() const {
+        const double part = double(std::min(samples_in_support, tree_.size())) /
+                            double(std::max<size_t>(1, reached()));
+        const float share = float(std::pow(part, 2 / double(axes_)));
+        Supports made;
+        for (const float squared : within2_) made.squared.push_back(share * squared);
+        made.of_node = tree_.largest(made.squared);
+        return made;
+    }
+
+  private:
+    void gather(size_t bucket, float reach, SamplesAround& around) const {
+        const auto [first, last] = buckets_[bucket];
+        std::array<float, most_axes> lo{}, hi{};
+        for (size_t d = 0; d < axes_; ++d) {
+            const auto [least, most] =
+                std::minmax_element(tree_.at(d).begin() + std::ptrdiff_t(first),
+                                    tree_.at(d).begin() + std::ptrdiff_t(last));
+            lo[d] = *least, hi[d] = *most;
+        }
+        for (size_t d = 0; d < axes_; ++d) around.at[d].clear();
+        around.place.clear();
+        tree_.visit(
+            [&](const float* from, const float* to, size_t) {
+                float off2 = 0;
+                for (size_t d = 0; d < axes_; ++d) {
+                    const float off = std::max({from[d] - hi[d], lo[d] - to[d], 0.0f});
+                    off2 += off * off;
+                }
+                return off2 <= reach * reach;
+            },
+            [&](size_t begin, size_t end) {
+                for (size_t d = 0; d < axes_; ++d)
+                    around.at[d].insert(around.at[d].end(),
+                                        tree_.at(d).begin() + std::ptrdiff_t(begin),
+                                        tree_.at(d).begin() + std::ptrdiff_t(end));
+                for (size_t i = begin; i < end; ++i) around.place.push_back(std::uint32_t(i));
+            });
+        around.size = around.place.size();
+        for (size_t d = 0; d < axes_; ++d) around.at[d].resize((around.size + 15) / 16 * 16, 1e18f);
+    }
+
+    const PointTree& tree_;
+    const TensorSettings& settings_;
+    size_t axes_;
+    std::array<std::vector<float>, 3> channels_;
+    std::array<const float*, 3> rgb_{};
+    std::vector<std::pair<size_t, size_t>> buckets_;
+    std::vector<float> within2_;  // of each sample: how far it looks
+};
+
+// A metric without eigenvalues: the tensor, so much of its trace that none is below `floor`, over
+// the root of its determinant. For rounds that another follows.
+void quick_metric(const float* tensor, size_t n, float floor, float* upper) {
+    double trace = 0;
+    Matrix m{};
+    size_t k = 0;
+    for (size_t a = 0; a < n; ++a)
+        for (size_t b = a; b < n; ++b, ++k) m[b][a] = double(tensor[k]);
+    for (size_t a = 0; a < n; ++a) trace += m[a][a];
+    if (!(trace >= 1e-10)) trace = 1, m = Matrix{};
+    for (size_t a = 0; a < n; ++a) m[a][a] += double(floor) * trace;
+    double determinant = 1;
+    Matrix factor = m;
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j <= i; ++j) {
+            double sum = m[i][j];
+            for (size_t l = 0; l < j; ++l) sum -= factor[i][l] * factor[j][l];
+            factor[i][j] = i == j ? std::sqrt(std::max(sum, 1e-9 * trace)) : sum / factor[j][j];
+            if (i == j) determinant *= factor[i][i] * factor[i][i];
+        }
+    const double scale = std::exp(-std::log(determinant) / double(n));
+    k = 0;
+    for (size_t a = 0; a < n; ++a)
+        for (size_t b = a; b < n; ++b) upper[k++] = float(scale * m[b][a]);
 }
 
 }  // namespace
 
-std::vector<float> gradients(const PointTree& tree, std::span<const float> rgb,
-                             const TensorSettings& settings, Context& ctx) {
-    const size_t axes = tree.dimensions();
-    std::vector<float> result(3 * axes * tree.size());
-    around_each(tree, settings.neighbours, ctx, [&](size_t i, const auto& near) {
-        Matrix squares{};
-        std::array<std::array<double, most_axes>, 3> slopes{};
-        std::array<double, most_axes> middle{};
-        std::array<double, 3> mean{};
-        double total = 0;
-        for (const PointTree::Near& n : near) {
-            const double w = weight(n, near);
-            total += w;
-            for (size_t d = 0; d < axes; ++d)
-                middle[d] += w * (double(tree.at(d)[n.place]) - double(tree.at(d)[i]));
-            for (size_t c = 0; c < 3; ++c)
-                mean[c] += w * (double(rgb[3 * size_t(n.place) + c]) - double(rgb[3 * i + c]));
-        }
-        for (double& m : middle) m /= total;
-        for (double& m : mean) m /= total;
-        for (const PointTree::Near& n : near) {
-            const double w = weight(n, near);
-            std::array<double, most_axes> off{};
-            for (size_t d = 0; d < axes; ++d)
-                off[d] = double(tree.at(d)[n.place]) - double(tree.at(d)[i]) - middle[d];
-            for (size_t a = 0; a < axes; ++a)
-                for (size_t b = 0; b <= a; ++b) squares[a][b] += w * off[a] * off[b];
-            for (size_t c = 0; c < 3; ++c) {
-                const double change =
-                    double(rgb[3 * size_t(n.place) + c]) - double(rgb[3 * i + c]) - mean[c];
-                for (size_t d = 0; d < axes; ++d) slopes[c][d] += w * off[d] * change;
-            }
-        }
-        const double radius2 = double(near.back().distance2);
-        if (!(radius2 > 0)) return;  // all in one place: nothing is known, and 0 says so
-        for (size_t a = 0; a < axes; ++a) squares[a][a] += double(settings.ridge) * radius2;
-        for (size_t c = 0; c < 3; ++c) {
-            solve(squares, axes, slopes[c]);
-            for (size_t d = 0; d < axes; ++d) result[(3 * i + c) * axes + d] = float(slopes[c][d]);
-        }
-    });
-    return result;
+Supports supports_of(const PointTree& tree, Context& ctx) {
+    const std::vector<float> none(3 * tree.size());
+    const TensorSettings settings;
+    Surroundings samples(tree, none, settings);
+    samples.around_each({}, 1, ctx, [](size_t, const SamplesAround&, Neighbourhood&) {});
+    return samples.supports();
 }
 
-std::vector<float> structure_metrics(const PointTree& tree, std::span<const float> rgb,
-                                     std::span<const float> gradients,
-                                     const TensorSettings& settings, Context& ctx) {
-    const size_t axes = tree.dimensions(), numbers = axes * (axes + 1) / 2;
-    std::vector<float> upper(numbers * tree.size());
-    around_each(tree, settings.neighbours, ctx, [&](size_t i, const auto& near) {
-        double total = 0;
-        std::array<double, 3> mean{};
-        for (const PointTree::Near& n : near) {
-            const double w = weight(n, near);
-            total += w;
-            for (size_t c = 0; c < 3; ++c) mean[c] += w * double(rgb[3 * size_t(n.place) + c]);
-        }
-        Matrix tensor{};
-        for (const PointTree::Near& n : near) {
-            const double w = weight(n, near);
-            for (size_t c = 0; c < 3; ++c) {
-                // Against brightness, as the eye sees it: without it, dark places would vary least.
-                const double level = std::max(mean[c] / total, 0.0) + 0.1;
-                const float* g = &gradients[(3 * size_t(n.place) + c) * axes];
-                for (size_t a = 0; a < axes; ++a)
-                    for (size_t b = a; b < axes; ++b)
-                        tensor[a][b] += w / (total * level * level) * double(g[a]) * double(g[b]);
-            }
-        }
-        for (size_t a = 0; a < axes; ++a)
-            for (size_t b = 0; b < a; ++b) tensor[a][b] = tensor[b][a];
-        metric_of(tensor, axes, settings.floor, &upper[numbers * i]);
-    });
-    return upper;
+Variation variation(const PointTree& tree, std::span<const float> rgb,
+                    const TensorSettings& settings, Context& ctx) {
+    const size_t n = tree.size(), axes = tree.dimensions(), numbers = axes * (axes + 1) / 2;
+    Variation made;
+    made.gradient.resize(3 * axes * n);
+    made.least.resize(3 * n), made.most.resize(3 * n);
+    std::vector<float> own(numbers * n), upper(numbers * n);
+    Surroundings samples(tree, rgb, settings);
+    for (float floor = first_floor;; floor *= floor_of_round) {
+        const bool last = floor <= settings.floor * 1.001f || first_floor <= settings.floor;
+        const float here = last ? settings.floor : floor;
+        samples.around_each(made.upper, settings.neighbours + 1, ctx,
+                            [&](size_t i, const SamplesAround& around, Neighbourhood& near) {
+                                samples.fit(i, around, near, made, own);
+                            });
+        samples.around_each(made.upper, settings.averaged + 1, ctx,
+                            [&](size_t i, const SamplesAround& around, Neighbourhood& near) {
+                                std::array<float, most_axes*(most_axes + 1) / 2> mean{};
+                                WEFT_PICK(mean_of_neighbours)
+                                (around, own.data(), numbers, near, mean.data());
+                                if (!last) {
+                                    quick_metric(mean.data(), axes, here, &upper[numbers * i]);
+                                    return;
+                                }
+                                Matrix tensor{};
+                                size_t k = 0;
+                                for (size_t a = 0; a < axes; ++a)
+                                    for (size_t b = a; b < axes; ++b, ++k)
+                                        tensor[a][b] = tensor[b][a] = double(mean[k]);
+                                metric_of(tensor, axes, here, &upper[numbers * i]);
+                            });
+        made.upper = upper;
+        if (!last) continue;
+        made.supports = samples.supports();
+        return made;
+    }
 }
 
 void metric_of(const Matrix& tensor, size_t n, float floor, float* upper) {

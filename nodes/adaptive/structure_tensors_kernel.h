@@ -1,7 +1,10 @@
 // Which way radiance varies around each sample: gradients in scaled space, and metrics from them.
 // Source: after Hachisuka et al. 2008, whose metric is the structure tensor of a leaf's samples.
 // Departure: gradients by weighted least squares over the nearest samples, tensors averaged over
-// the same, metrics of determinant 1, so that volumes compare from sample to sample.
+// more of them, metrics of determinant 1, so that volumes compare from sample to sample. And in
+// rounds: what is nearest is told by the metric of the round before, which is let grow longer from
+// round to round. Isotropic neighbourhoods wide enough for a fit blur what is finer than they are;
+// those that follow an edge or a moving texture hold as many samples and are thinner.
 #pragma once
 #include <span>
 #include <vector>
@@ -13,18 +16,33 @@
 namespace weft::adaptive {
 
 struct TensorSettings {
-    size_t neighbours = 48;
-    float floor = 0.05f;  // least eigenvalue, over the largest
-    float ridge = 1e-6f;  // of the least squares, over the neighbourhood's radius squared
+    size_t neighbours = 24;  // a gradient is fitted to
+    size_t averaged = 96;    // a tensor is the mean of
+    float floor = 0.001f;    // least eigenvalue, over the largest
+    float ridge = 1e-6f;     // of the least squares, over the neighbourhood's radius squared
+};
+// Least eigenvalue over the largest, after the first round, and of that after each further one.
+inline constexpr float first_floor = 0.05f, floor_of_round = 0.25f;
+
+// How far each sample counts, squared: as far as about 64 others lie around it, as if those looked
+// at were spread evenly. And of each node of the tree the farthest.
+struct Supports {
+    std::vector<float> squared, of_node;
+};
+inline constexpr size_t samples_in_support = 64;
+Supports supports_of(const PointTree& tree, Context& ctx);
+
+// What the samples around each say of it, in the tree's order.
+struct Variation {
+    std::vector<float> upper;        // metrics: upper triangles by rows, D (D + 1) / 2 a sample
+    std::vector<float> gradient;     // 3 x D a sample, radiance per px
+    std::vector<float> least, most;  // 3 a sample: radiance among the gradient's neighbours
+    Supports supports;
 };
 
-// Samples in the tree's order: rgb 3 a sample. Gradients: 3 x D a sample, radiance per px.
-std::vector<float> gradients(const PointTree& tree, std::span<const float> rgb,
-                             const TensorSettings& settings, Context& ctx);
-// Upper triangles by rows, D (D + 1) / 2 a sample.
-std::vector<float> structure_metrics(const PointTree& tree, std::span<const float> rgb,
-                                     std::span<const float> gradients,
-                                     const TensorSettings& settings, Context& ctx);
+// Samples in the tree's order: rgb 3 a sample. Same bits for any number of threads.
+Variation variation(const PointTree& tree, std::span<const float> rgb,
+                    const TensorSettings& settings, Context& ctx);
 
 // The metric of a structure tensor: eigenvalues not below `floor` of the largest, over their
 // geometric mean. Without variation: the identity.

@@ -1,5 +1,6 @@
 #include "adaptive/symmetric.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace weft::adaptive {
@@ -45,11 +46,13 @@ std::array<double, most_axes> eigen(Matrix m, size_t n, Matrix& vectors) {
 }
 
 void solve(Matrix m, size_t n, std::array<double, most_axes>& b) {
+    double least = 1e-300;  // pivot: of singular ones, what rounding leaves is not divided by
+    for (size_t i = 0; i < n; ++i) least = std::max(least, 1e-12 * m[i][i]);
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j <= i; ++j) {
             double sum = m[i][j];
             for (size_t k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
-            m[i][j] = i == j ? std::sqrt(sum) : sum / m[j][j];
+            m[i][j] = i == j ? std::sqrt(std::max(sum, least)) : sum / m[j][j];
         }
     for (size_t i = 0; i < n; ++i) {
         for (size_t k = 0; k < i; ++k) b[i] -= m[i][k] * b[k];
