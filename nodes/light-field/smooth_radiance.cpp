@@ -262,7 +262,7 @@ Array<float> smooth_radiance(const Samples& samples, float radius, float widest,
 namespace {
 
 struct SmoothRadiance {
-    float widest = 3.6f, caution = 0.5f, sharp_caution = 2, radius_scale = 1;
+    float widest = 4.25f, caution = 0.5f, sharp_caution = 2, radius_scale = 1;
     float slope_tolerance = 0.6f, velocity_tolerance = 1.5f, depth_tolerance = 0.03f;
     float normal_tolerance = 0.55f, albedo_tolerance = 0.1f;
 
