@@ -36,7 +36,11 @@ class ErrorFunction {
     static constexpr float steps = 512, end = 4;
     std::array<float, size_t(steps* end) + 1> at_;
 };
-inline const ErrorFunction error_function;
+// Its table is made when it is first asked for, not when the program starts.
+inline const ErrorFunction& error_function() {
+    static const ErrorFunction table;
+    return table;
+}
 
 // Where in [lo, hi] a sample at `at`, `offset` from the middle of a box, lies within `half` of that
 // middle, when it moves by `speed` a unit: offset + speed (s - at).
@@ -55,14 +59,14 @@ class GaussianMass {
     GaussianMass(float at, float sigma)
         : at_(at),
           height_(sigma < INFINITY ? sigma * 1.2533141f : 0),
-          scale_(1 / (sigma * std::numbers::sqrt2_v<float>)) {}
-    float operator()(float s) const {
-        return height_ > 0 ? height_ * error_function((s - at_) * scale_) : s;
-    }
+          scale_(1 / (sigma * std::numbers::sqrt2_v<float>)),
+          erf_(error_function()) {}
+    float operator()(float s) const { return height_ > 0 ? height_ * erf_((s - at_) * scale_) : s; }
     float in(Interval over) const { return (*this)(over.b) - (*this)(over.a); }
 
   private:
     float at_, height_, scale_;
+    const ErrorFunction& erf_;
 };
 inline float gaussian_over(Interval over, float at, float sigma) {
     return GaussianMass(at, sigma).in(over);
