@@ -2,8 +2,6 @@
 // node can call: a farm's, or a program of somebody else's. Written with write-samples and read
 // with read-samples, state and requests outlive a run.
 //   begin -> state, requests;  step: state, results -> state, requests ...;  end: state -> samples
-#include <fmt/format.h>
-
 #include "adaptive/adaptive_steps.h"
 #include "adaptive/sampler_shape.h"
 #include "runtime/node.h"

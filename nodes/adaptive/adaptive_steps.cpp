@@ -139,9 +139,12 @@ AdaptiveSteps::AdaptiveSteps(const Samples& state) : setup_(setup_of(state)) {
 void AdaptiveSteps::start() {
     points_.resize(setup_.sampler.dimensions());
     run_ = std::make_unique<AdaptiveRun>(setup_.sampler, setup_.settings);
-    const auto views = run_->request();
-    asked_.assign(views.size(), {});
-    for (size_t d = 0; d < views.size(); ++d) asked_[d].assign(views[d].begin(), views[d].end());
+    ask();
+}
+
+void AdaptiveSteps::ask() {
+    asked_.clear();
+    for (const auto& view : run_->request()) asked_.emplace_back(view.begin(), view.end());
 }
 
 void AdaptiveSteps::insert(const Evaluated& values) {
@@ -151,9 +154,7 @@ void AdaptiveSteps::insert(const Evaluated& values) {
     all_.features.insert(all_.features.end(), values.features.begin(), values.features.end());
     all_.broken += values.broken;
     run_->insert(values);
-    const auto views = run_->request();
-    asked_.assign(views.size(), {});
-    for (size_t d = 0; d < views.size(); ++d) asked_[d].assign(views[d].begin(), views[d].end());
+    ask();
 }
 
 void AdaptiveSteps::take(const Samples& results) {

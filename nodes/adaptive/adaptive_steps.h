@@ -33,6 +33,7 @@ class AdaptiveSteps {
 
   private:
     void start();
+    void ask();  // for the next round
     void insert(const Evaluated& values);
 
     AdaptiveSetup setup_;

@@ -157,15 +157,6 @@ void append_near(const SampleRun& run, size_t begin, size_t end, const float* si
     }
 }
 
-void pad_near(NearSamples& near) {
-    const size_t padded = (near.size + 15) / 16 * 16;
-    if (near.support2.size() < padded)
-        for (auto* values : {&near.x, &near.y, &near.off2, &near.xx, &near.xy, &near.yy, &near.bx,
-                             &near.by, &near.rest, &near.support2})
-            values->resize(padded);
-    for (size_t i = near.size; i < padded; ++i) near.support2[i] = -1, near.off2[i] = 0;
-}
-
 // The sample of least distance by metric, of those nearer than `bound`; if it is not among the
 // candidates, none that is as far off is one either, and so on.
 std::int32_t least_distance(const NearSamples& near, float x, float y, std::int32_t candidates,

@@ -23,6 +23,7 @@ struct NearSamples {
     size_t size = 0;                   // without padding
     void clear();
     void pad();
+    void pad_supported();  // of those that count within their support2
 };
 
 // Scratch: squared distances, and the metric's as whole numbers, which are in the same order.
@@ -51,8 +52,7 @@ inline constexpr std::int32_t not_known = -1;
 
 // Of the `candidates` samples nearest to (x, y) in scaled space, the one of least distance by its
 // own metric: its index in `near`. not_known where fewer of them lie within the square root of
-// `reach2`, beyond which samples may be missing in `near`. Of equals the first. least_distances:
-// the four of least distance; none where it is not known.
+// `reach2`, beyond which samples may be missing in `near`. Of equals the first.
 //   least_distances  the four of least distance by metric, of those that count at (x, y)
 //   append_near      takes in, of samples [begin, end), what counts between sides (x0 y0 x1 y1)
 #define WEFT_LEAST_DISTANCE(isa)                                                                \
@@ -62,7 +62,6 @@ inline constexpr std::int32_t not_known = -1;
     Nearest least_distances(const NearSamples& near, float x, float y, LeastDistance& scratch); \
     void append_near(const SampleRun& run, size_t begin, size_t end, const float* sides,        \
                      const float* other, NearSamples& near);                                    \
-    void pad_near(NearSamples& near);                                                           \
     }
 WEFT_LEAST_DISTANCE(v2)
 WEFT_LEAST_DISTANCE(v3)

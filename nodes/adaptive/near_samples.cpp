@@ -25,6 +25,15 @@ void NearSamples::pad() {
     rest.resize(padded, nowhere);
 }
 
+void NearSamples::pad_supported() {
+    const size_t padded = (size + vector_width - 1) / vector_width * vector_width;
+    for (auto* values : {&x, &y, &off2, &xx, &xy, &yy, &bx, &by, &rest, &support2})
+        if (values->size() < padded) values->resize(padded);
+    std::fill(support2.begin() + std::ptrdiff_t(size), support2.begin() + std::ptrdiff_t(padded),
+              -1.0f);
+    std::fill(off2.begin() + std::ptrdiff_t(size), off2.begin() + std::ptrdiff_t(padded), 0.0f);
+}
+
 bool gather(const Metrics& metrics, const Block& block, const float* other, float reach,
             NearSamples& near) {
     const PointTree& tree = *metrics.tree;
@@ -103,7 +112,7 @@ void gather(const Metrics& metrics, const Block& block, const float* other, Near
         [&](size_t begin, size_t end) {
             WEFT_PICK(append_near)(run, begin, end, sides.data(), other, near);
         });
-    WEFT_PICK(pad_near)(near);
+    near.pad_supported();
 }
 
 }  // namespace weft::adaptive

@@ -52,8 +52,7 @@ struct ShowFootprints {
         for (int y = step / 2; y < samples.height; y += step)
             for (int x = step / 2; x < samples.width; x += step) {
                 ctx.check_cancelled();
-                if (filter.keeps_own(read(x, y), filter.own_mean(x, y)) ||
-                    filter.filtered(x, y).own_mean) {
+                if (filter.filtered(x, y).own_mean) {
                     mark(image, x, y, {1, 0, 0});
                     continue;
                 }

@@ -34,9 +34,7 @@ class Surroundings {
     template <class Work>
     void around_each(const std::vector<float>& upper, size_t count, Context& ctx, Work&& work) {
         const size_t numbers = axes_ * (axes_ + 1) / 2, wanted = std::min(count, tree_.size()),
-                     pool =
-                         std::min(tree_.size(),
-                                  pool_of * std::max(settings_.averaged, settings_.neighbours) + 1);
+                     pool = reached();
         ctx.parallel(buckets_.size(), buckets_in_piece, [&](size_t begin, size_t end) {
             SamplesAround around;
             Neighbourhood found, pooled;
@@ -99,12 +97,13 @@ class Surroundings {
                 squares[b][a] = double(sums.dd[k]) - double(sums.d[a]) * double(sums.d[b]) / w;
         for (size_t a = 0; a < axes_; ++a)
             squares[a][a] += double(settings_.ridge) * double(near.radius2);
+        factor(squares, axes_);
         for (size_t c = 0; c < 3; ++c) {
             std::array<double, most_axes> slope{};
             for (size_t a = 0; a < axes_; ++a)
                 slope[a] =
                     double(sums.df[c * axes_ + a]) - double(sums.d[a]) * double(sums.f[c]) / w;
-            solve(squares, axes_, slope);
+            solve_factored(squares, axes_, slope);
             // Against brightness, as the eye sees it: without it, dark places would vary least.
             const double level = std::max(double(rgb_[c][i]) + double(sums.f[c]) / w, 0.0) + 0.1;
             size_t at = 0;
@@ -183,14 +182,9 @@ void quick_metric(const float* tensor, size_t n, float floor, float* upper) {
     if (!(trace >= 1e-10)) trace = 1, m = Matrix{};
     for (size_t a = 0; a < n; ++a) m[a][a] += double(floor) * trace;
     double determinant = 1;
-    Matrix factor = m;
-    for (size_t i = 0; i < n; ++i)
-        for (size_t j = 0; j <= i; ++j) {
-            double sum = m[i][j];
-            for (size_t l = 0; l < j; ++l) sum -= factor[i][l] * factor[j][l];
-            factor[i][j] = i == j ? std::sqrt(std::max(sum, 1e-9 * trace)) : sum / factor[j][j];
-            if (i == j) determinant *= factor[i][i] * factor[i][i];
-        }
+    Matrix root = m;
+    factor(root, n, 1e-9 * trace);
+    for (size_t i = 0; i < n; ++i) determinant *= root[i][i] * root[i][i];
     const double scale = std::exp(-std::log(determinant) / double(n));
     k = 0;
     for (size_t a = 0; a < n; ++a)

@@ -45,15 +45,22 @@ std::array<double, most_axes> eigen(Matrix m, size_t n, Matrix& vectors) {
     return values;
 }
 
-void solve(Matrix m, size_t n, std::array<double, most_axes>& b) {
-    double least = 1e-300;  // pivot: of singular ones, what rounding leaves is not divided by
+void factor(Matrix& m, size_t n) {
+    double least = 1e-300;
     for (size_t i = 0; i < n; ++i) least = std::max(least, 1e-12 * m[i][i]);
+    factor(m, n, least);
+}
+
+void factor(Matrix& m, size_t n, double least) {
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j <= i; ++j) {
             double sum = m[i][j];
             for (size_t k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
             m[i][j] = i == j ? std::sqrt(std::max(sum, least)) : sum / m[j][j];
         }
+}
+
+void solve_factored(const Matrix& m, size_t n, std::array<double, most_axes>& b) {
     for (size_t i = 0; i < n; ++i) {
         for (size_t k = 0; k < i; ++k) b[i] -= m[i][k] * b[k];
         b[i] /= m[i][i];

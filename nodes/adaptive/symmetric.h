@@ -13,7 +13,11 @@ using Matrix = std::array<std::array<double, most_axes>, most_axes>;
 // Source: Jacobi 1846; cyclic sweeps, Golub and Van Loan 1996, Sec. 8.4.
 std::array<double, most_axes> eigen(Matrix m, size_t n, Matrix& vectors);
 
-// Solves m x = b for a positive definite m, by Cholesky's method; b becomes x.
-void solve(Matrix m, size_t n, std::array<double, most_axes>& b);
+// Cholesky's factor of a positive definite m, in its lower triangle; no pivot is below `least`, by
+// default what rounding leaves of the largest element: of a singular m nothing is divided by that.
+void factor(Matrix& m, size_t n);
+void factor(Matrix& m, size_t n, double least);
+// Solves m x = b, given that factor; b becomes x.
+void solve_factored(const Matrix& factor, size_t n, std::array<double, most_axes>& b);
 
 }  // namespace weft::adaptive
