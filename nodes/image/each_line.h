@@ -1,6 +1,7 @@
 // Loops over the rows, or the columns, of a picture that takes long: each is a piece of its own,
 // cancellation is asked about before it, and progress told of after it.
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <string_view>
 

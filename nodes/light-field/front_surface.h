@@ -62,9 +62,7 @@ class FrontSurface {
                     hn::StoreU(vy_[k], f, &c_.velocity_y[i]);
                 }
             } else {
-                const auto samples = hn::IfThenElse(
-                    hn::FirstN(un, n_ - i), hn::LoadU(un, &c_.found[i]), hn::Set(un, c_.found[0]));
-                depth_[k] = hn::GatherIndex(f, h.W.data(), hn::BitCast(sn, samples));
+                depth_[k] = hn::GatherIndex(f, h.W.data(), samples_of(&c_.found[i], n_ - i));
             }
             slope_[k] = hn::MulAdd(c0, hn::Div(hn::Set(f, 1.0f), depth_[k]), c1);
             hn::StoreU(depth_[k], f, &c_.depth[i]);
@@ -72,7 +70,7 @@ class FrontSurface {
         }
     }
 
-    // The first of the least depth. (Lanes past the end are as deep as the first.)
+    // The first of the least depth. (Lanes past the end are as deep as the first of their vector.)
     HWY_INLINE size_t find_nearest() const {
         VF least = depth_[0];
         for (size_t k = 1; k < vectors; ++k) least = hn::Min(least, depth_[k]);

@@ -4,6 +4,12 @@
 
 namespace weft::light_field::WEFT_ISA {
 
+// Samples of a list of `count`, a lane each; lanes past its end have its first.
+HWY_INLINE VI samples_of(const std::uint32_t* list, size_t count) {
+    return hn::BitCast(
+        sn, hn::IfThenElse(hn::FirstN(un, count), hn::LoadU(un, list), hn::Set(un, list[0])));
+}
+
 // The divisors of samples' positions and the changes of all three (Hierarchy::paths), a lane a
 // sample: those of `list`, of which there are `count`; lanes past them are its first. Four gathers
 // would fetch the same four values of a sample one by one.

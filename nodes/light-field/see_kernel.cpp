@@ -211,15 +211,6 @@ class Seeing {
         return n_ ? spread.between() : 0;
     }
 
-    // Samples of the hierarchy from a list of n_, those past its end being its first.
-    HWY_INLINE VI samples_at(const std::vector<std::uint32_t>& list, size_t i) const {
-        return hn::BitCast(sn, hn::IfThenElse(hn::FirstN(un, n_ - i), hn::LoadU(un, &list[i]),
-                                              hn::Set(un, list[0])));
-    }
-    HWY_INLINE static VF load(const LargeArray<float>& from, VI samples) {
-        return hn::GatherIndex(f, from.data(), samples);
-    }
-
     // Puts the candidates in order of depth, with what they do at the location.
     Layers layers(size_t l, std::uint32_t spread) {
         const float u = p_.u, v = p_.v, box = set_.test.box;
@@ -244,7 +235,7 @@ class Seeing {
                                &c_.found_velocity_y[i]);
                 }
             } else {
-                depth = load(h_.W, samples_at(c_.found, i));
+                depth = hn::GatherIndex(f, h_.W.data(), samples_of(&c_.found[i], n_ - i));
             }
             hn::StoreU(depth, f, &c_.found_depth[i]);
             hn::StoreU(hn::MulAdd(c0, hn::Div(one, depth), c1), f, &c_.found_slope[i]);

@@ -151,10 +151,6 @@ class Rows {
     size_t rows_, done_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 // One comparison of whole vectors, features first: what is not clustered has an infinite bound.
 class Near {
   public:

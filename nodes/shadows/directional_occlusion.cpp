@@ -6,8 +6,7 @@
 //   along  a Gaussian of the change of direction, deviation s_x / (zbar^2 (1/z_min - 1/z_max) / 2),
 //          s_x = 0.5 max(p, z_min theta): p a pixel's width, theta = 1 rad that of the cosine
 //   near   what is nearer than 4 p / theta changes over few pixels: such hits are counted apart,
-//   over
-//          5 x 5 pixels and not slid; z_min is no less than that
+//          over 5 x 5 pixels and not slid; z_min is no less than that
 //   parts  the directions are cut in 4 x 4 of equal cosine, each with a mean of its own
 // Source: Egan et al. 2011 (directional occlusion), Sec. 4 and 5.  Departure: sliding is counted in
 // full, so that a pixel's directions need no second filter; near hits, for which more rays were

@@ -4,9 +4,9 @@
 // so that light samples are carried there once for all of its locations.
 #pragma once
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "light-field/location_number.h"
 #include "light-field/points.h"
 #include "light-field/streams.h"
 #include "shadows/light_view.h"
@@ -141,13 +141,8 @@ class Receivers {
     static double number(std::uint64_t seed, const Locations& from, size_t l, int dimension) {
         if (from.shared)
             return double(light_field::light_number(seed, std::uint32_t(from.slice), dimension));
-        const auto bits = [](float a, float b) {
-            return std::uint64_t(std::bit_cast<std::uint32_t>(a)) << 32 |
-                   std::bit_cast<std::uint32_t>(b);
-        };
-        const std::uint64_t key =
-            mix(mix(seed + std::uint64_t(dimension)) ^ bits(from.x[l], from.y[l]));
-        return double(unit_float(mix(key ^ bits(from.u_of(l), from.t_of(l)))));
+        return double(light_field::location_number(from.x[l], from.y[l], from.u_of(l), from.t_of(l),
+                                                   mix(seed + std::uint64_t(dimension))));
     }
 
     const Hierarchy& h_;
