@@ -243,7 +243,7 @@ class Reader {
             document_.nodes.push_back(std::move(node));  // links to it lead somewhere
             return;
         }
-        keys(m.value, {"type", "in", "set", "bypass", "about"});
+        keys(m.value, {"type", "in", "set", "each", "carry", "bypass", "about"});
         text(m.value, "about");
         for (const GraphInput& in : document_.inputs)
             if (in.name.text == m.key)
@@ -255,6 +255,7 @@ class Reader {
             for (const JsonMember& port : in->members) node_input(port, node);
         if (const Json* set = member(m.value, "set", Json::Kind::object))
             for (const JsonMember& value : set->members) setting(value, node);
+        repeat(m.value, node);
         node.bypass = flag(m.value, "bypass");
         if (const Json* bypass = m.value.find("bypass")) node.bypass_place = bypass->place;
         document_.nodes.push_back(std::move(node));
@@ -294,6 +295,37 @@ class Reader {
                 if (link(item, one)) in.links.push_back(one);
         }
         node.inputs.push_back(std::move(in));
+    }
+    void repeat(const Json& value, NodeText& node) {
+        if (const Json* each = member(value, "each", Json::Kind::object)) {
+            if (each->members.size() != 1) {
+                findings_.error(span(*each),
+                                "'each' names {} parameters; expected one, and the list of its "
+                                "values",
+                                each->members.size());
+            } else {
+                const JsonMember& m = each->members[0];
+                references(m.value);
+                node.each = Setting{{m.key, m.key_place}, m.value};
+            }
+        }
+        const Json* carry = member(value, "carry", Json::Kind::object);
+        if (!carry) return;
+        if (!value.find("each"))
+            findings_.error(span(*carry), "'carry' is for a node with 'each'");
+        for (const JsonMember& m : carry->members) {
+            if (!expect(m.value, Json::Kind::text, "an output")) continue;
+            const bool linked =
+                std::any_of(node.inputs.begin(), node.inputs.end(),
+                            [&](const InputText& in) { return in.port.text == m.key; });
+            if (linked)
+                node.carry.push_back({{m.key, m.key_place}, {m.value.text, m.value.place}});
+            else
+                findings_.error(m.key_place,
+                                "'carry' names input '{}', which is not linked; the first node "
+                                "takes it from 'in'",
+                                m.key);
+        }
     }
     // Kept, so that it does not look missing as well.
     static void unread_input(NodeText& node, InputText in) { node.inputs.push_back(std::move(in)); }

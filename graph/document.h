@@ -1,5 +1,6 @@
 // Document: the text of a graph, read and checked for its form; names are not yet looked up.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,12 +32,19 @@ struct Setting {
     Json value;
 };
 
+// An input of a repeated node that takes an output of the one before it.
+struct CarryText {
+    Word input, output;
+};
+
 struct NodeText {
     Word name;
     Word type;    // without its version; "" if it could not be read
     int pin = 0;  // of "type@version"; 0: none
     std::vector<InputText> inputs;
     std::vector<Setting> settings;
+    std::optional<Setting> each;  // a parameter and the list of its values: one node for each
+    std::vector<CarryText> carry;
     bool bypass = false;
     Place bypass_place;
 };

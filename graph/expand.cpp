@@ -93,7 +93,49 @@ void Expander::graph_inputs(Scope& scope) {
 }
 
 void Expander::unfold(Scope& scope) {
-    for (const NodeText& text : scope.document->nodes) node(scope, text);
+    for (const NodeText& text : scope.document->nodes)
+        if (text.each)
+            repeat(scope, text);
+        else
+            node(scope, text);
+}
+
+// A node for each value of a list, NAME-1 to NAME-n, each with what it carries from the one before;
+// a link to NAME leads to the last.
+void Expander::repeat(Scope& scope, const NodeText& text) {
+    const Bound list = substitute(text.each->value, lookup_in(scope));
+    const bool any = list.value.is(Json::Kind::list) && !list.value.items.empty();
+    if (!list.known || !any) {
+        if (list.known)
+            findings_.error(span(text.each->value),
+                            "'each' is {}; expected a list with a value for each node",
+                            list.value.is(Json::Kind::list) ? "an empty list"
+                                                            : list.value.dump());
+        Entity& entity = scope.entities.emplace_back();
+        entity.name = text.name.text;
+        entity.place = text.name.place;
+        entity.scope = &scope;
+        entity.text = &text;
+        entity.broken = true;
+        scope.by_name.emplace(text.name.text, &entity);
+        return;
+    }
+    std::string before;
+    for (const Json& value : list.value.items) {
+        NodeText& one = scope.repeated.emplace_back(text);
+        one.name.text = fmt::format("{}-{}", text.name.text, &value - &list.value.items[0] + 1);
+        std::erase_if(one.settings, [&](const Setting& setting) {
+            return setting.name.text == text.each->name.text;
+        });
+        one.settings.push_back({text.each->name, escaped(value)});
+        for (const CarryText& carry : text.carry)
+            for (InputText& in : one.inputs)
+                if (!before.empty() && in.port.text == carry.input.text)
+                    in.links = {{before, carry.output.text, carry.output.place}}, in.is_list = false;
+        node(scope, one);
+        before = one.name.text;
+    }
+    if (!scope.entities.empty()) scope.by_name.emplace(text.name.text, &scope.entities.back());
 }
 
 void Expander::node(Scope& scope, const NodeText& text) {

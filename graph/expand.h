@@ -34,6 +34,7 @@ class Expander {
     void graph_inputs(Scope& scope);
     void unfold(Scope& scope);
     void node(Scope& scope, const NodeText& text);
+    void repeat(Scope& scope, const NodeText& text);
     static Lookup lookup_in(const Scope& scope);
     Word type_of(const Scope& scope, const NodeText& text);
     void apply_options(Entity& entity, const std::string& path, Word& type, int& pin);

@@ -115,7 +115,7 @@ Json node_schema(const NodeDecl& decl) {
                 {"properties",
                  object({{"in", closed(std::move(inputs))}, {"set", closed(std::move(params))}})}});
     if (needed_inputs.empty() && needed_params.empty()) return out;
-    // A bypassed node needs nothing.
+    // A bypassed node needs nothing; a repeated one has a parameter from its list.
     Json needs = object({{"properties", Json::object()}});
     std::vector<std::string> parts;
     const auto need = [&](const char* part, const std::vector<std::string>& names) {
@@ -126,8 +126,9 @@ Json node_schema(const NodeDecl& decl) {
     need("in", needed_inputs);
     need("set", needed_params);
     needs.set("required", texts(parts));
-    out.set("if", object({{"properties", object({{"bypass", object({{"const", true}})}})},
-                          {"required", texts({"bypass"})}}));
+    out.set("if", any_of({object({{"properties", object({{"bypass", object({{"const", true}})}})},
+                                  {"required", texts({"bypass"})}}),
+                          object({{"required", texts({"each"})}})}));
     out.set("else", std::move(needs));
     return out;
 }
@@ -212,6 +213,15 @@ Json graph_schema(const Catalog& catalog) {
     Json node = closed(object({{"type", std::move(type)},
                                {"in", std::move(links)},
                                {"set", object({{"type", "object"}})},
+                               {"each", object({{"type", "object"},
+                                                {"minProperties", 1},
+                                                {"maxProperties", 1},
+                                                {"additionalProperties",
+                                                 any_of({object({{"type", "array"}}),
+                                                         defined("reference")})}})},
+                               {"carry", object({{"type", "object"},
+                                                 {"additionalProperties",
+                                                  object({{"type", "string"}})}})},
                                {"bypass", object({{"type", "boolean"}})},
                                {"about", object({{"type", "string"}})}}),
                        {"type"});

@@ -55,6 +55,7 @@ struct Scope {
     Entity* entity = nullptr;  // what it is in the scope around it; null: the top
     std::string prefix;        // "pass-1/"
     std::deque<Entity> entities;
+    std::deque<NodeText> repeated;  // nodes of the document that stand here several times
     std::unordered_map<std::string_view, Entity*> by_name;
     std::unordered_map<std::string_view, Bound> parameters;
     std::vector<Target> outputs;  // as document->outputs

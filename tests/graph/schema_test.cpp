@@ -49,7 +49,8 @@ TEST(schema, accepts_what_the_checker_accepts) {
                     "set": {"tint": "$tint", "passes": 2.0, "sigma-space": 0.1}},
             "smooth": {"type": "bilateral-filter", "in": {"color": "a/b"}, "set": {"tint": ["$n", 0, 1]}},
             "open": {"type": "bilateral-filter", "in": {"color": "smooth"}, "bypass": true},
-            "one": {"type": "contact-sheet", "in": {"pictures": "open"}, "set": {"title": "${in.stem} $$"}},
+            "many": {"type": "bilateral-filter", "each": {"tint": [[1, 1, 1], [2, 2, 2]]}, "carry": {"color": "color"}, "in": {"color": "open"}},
+            "one": {"type": "contact-sheet", "in": {"pictures": "many"}, "set": {"title": "${in.stem} $$"}},
             "sheet": {"type": "contact-sheet", "in": {"pictures": ["one", "smooth.color"]}},
             "part": {"type": "parts/any.json", "in": {"color": "sheet"}, "set": {"range": [1, {"a": 2}]}},
             "write": {"type": "write-image", "in": {"image": "part"}, "set": {"file": "x.exr", "half": "$half"}}
