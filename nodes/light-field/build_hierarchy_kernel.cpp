@@ -248,6 +248,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.color_space = samples.color_space;
     if (const Channel* uv = samples.find("uv"); uv && samples.has_lens()) h.uv = uv->values;
     if (const Channel* t = samples.find("t"); t && samples.has_motion()) h.t = t->values;
+    if (const Channel* source = samples.find("source"); source && !colored) h.source = source->ids;
 
     const Places places = places_of(samples);
     const KeyGrid grid = key_grid(h, arrangement);

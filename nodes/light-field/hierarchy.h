@@ -45,6 +45,7 @@ class Hierarchy {
     LargeArray<float> plane_x, plane_y, end;
     LargeArray<std::uint32_t> order;  // index in the buffer
     Array<float> uv, t;  // the buffer's own, in its order: where and when each was seen
+    Array<std::uint32_t> source;  // the same of what a light sees: the camera sample it was for
 
     // What a group's samples keep to: at (u, v, t), with d = t - 1/2 and s = slope,
     //   x in [x_low, x_high] + slope aspect u + velocity_x d,   y in [y_low, y_high] + slope v +

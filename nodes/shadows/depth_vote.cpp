@@ -17,7 +17,6 @@ struct DepthVote {
             .in<Surfaces>("surfaces", "their surfaces, nearest to the light first")
             .in<Visibility>("visibility", "the surface that the light meets on its way")
             .in<ShadowQueries>("queries", "the receivers")
-            .in<Samples>("light-samples", "of the candidates: z and z_gradient")
             .in<LightView>("light-view", "of the light samples")
             .out<LightShares>(
                 "shares", "how much of the light each location sees; all of it where nobody votes")
@@ -38,17 +37,16 @@ struct DepthVote {
                     .about = "where votes have no weight any more"});
     }
     void batch(const Inputs& in, Outputs& out) const {
-        const Samples& lights = in.get<Samples>("light-samples");
         const LightView& view = in.get<LightView>("light-view");
         const Candidates& candidates = in.get<Candidates>("candidates");
         depth_vote(candidates, in.get<Surfaces>("surfaces"), in.get<Visibility>("visibility"),
                    in.get<ShadowQueries>("queries"),
-                   {*candidates.hierarchy, lights.values("z_gradient"), lights.z(), view},
+                   {*candidates.hierarchy, view},
                    {test, bias, radius_scale}, out.get<LightShares>("shares"));
     }
 };
 
-WEFT_NODE(DepthVote, "depth-vote", 3)
+WEFT_NODE(DepthVote, "depth-vote", 4)
 
 }  // namespace
 }  // namespace weft

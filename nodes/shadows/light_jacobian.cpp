@@ -9,6 +9,7 @@ using namespace shadows;
 
 struct LightJacobian {
     float max_anisotropy = 16;
+    bool metric = true;
 
     static void declare(Ports<LightJacobian>& node) {
         node.about(
@@ -24,7 +25,10 @@ struct LightJacobian {
                    {.min = 1,
                     .max = 1e3,
                     .about =
-                        "most that a pixel may be stretched or squeezed beyond what distances do"});
+                        "most that a pixel may be stretched or squeezed beyond what distances do"})
+            .param("metric", &LightJacobian::metric,
+                   {.about = "make light_metric: 12 bytes a sample that searches within a radius "
+                             "have no use for"});
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -34,12 +38,12 @@ struct LightJacobian {
         if (!geometric) samples.require("light-jacobian", {"normal"});
         const auto normals = samples.values(geometric ? "geometric_normal" : "normal");
         const CameraSamples from(samples);
-        std::vector<float> density(samples.size(), 1), metric(3 * samples.size(), 0);
+        std::vector<float> density(samples.size(), 1), all(metric ? 3 * samples.size() : 0, 0);
         const std::array<Map3, 2> to_light{view.world_to_light[0] * view.pixel_to_world[0],
                                            view.world_to_light[1] * view.pixel_to_world[1]};
         ctx.parallel(samples.size(), 16384, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
-                metric[3 * i] = metric[3 * i + 2] = 1;
+                if (metric) all[3 * i] = all[3 * i + 2] = 1;
                 if (!from.hit(i)) continue;
                 const double t = from.time(i);
                 const auto mix_of = [&](Point3 a, Point3 b) { return a + (b - a) * t; };
@@ -55,13 +59,14 @@ struct LightJacobian {
                                                                      double(normals[3 * i + 2])});
                 const Jacobian j = light_jacobian(view, m, pixel, normal, double(max_anisotropy));
                 density[i] = float(area_of(j));
+                if (!metric) continue;
                 const auto jj = metric_of(j);
-                for (size_t c = 0; c < 3; ++c) metric[3 * i + c] = float(jj[c]);
+                for (size_t c = 0; c < 3; ++c) all[3 * i + c] = float(jj[c]);
             }
         });
         Samples with = samples;
         with.add("light_density", 1, std::move(density));
-        with.add("light_metric", 3, std::move(metric));
+        if (metric) with.add("light_metric", 3, std::move(all));
         out.set("samples", std::move(with));
     }
 };

@@ -15,29 +15,45 @@
 
 namespace weft::shadows {
 
-struct LightVoteScratch {
+// Samples of one kind, hits or passes, around the batch.
+struct LightVoteGrid {
     light_field::Block block;
     Projection projection;
+};
+
+struct LightVoteScratch {
+    LightVoteGrid hits, passes;
     std::vector<std::uint32_t> first, across, rows;  // light_field::Reach
     std::vector<std::uint8_t> wanted;                // cells that some receiver looks at
-    // Of one receiver: what stands nearer than its plane; of that, what was stopped and what
-    // passes.
+    // Of receivers: what lies before their planes, and of that what stops their light.
     struct Places {
-        std::vector<float> x, y, inverse, end, way_x, way_y;
+        std::vector<float> x, y, inverse;  // px; 1/w: of what stops, of its plane at the receiver
         std::vector<std::uint32_t> sample;
         void grow(size_t n) {
             if (sample.size() >= n) return;
-            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y}) values->resize(2 * n);
+            for (auto* values : {&x, &y, &inverse}) values->resize(2 * n);
             sample.resize(2 * n);
         }
-    } nearer, hits, passes;
+    } nearer, stops;
+    // Of a receiver, the passes among `nearer`: where, how deep, how deep they get and how far they
+    // move over the film a unit of 1/w.
+    struct Passes {
+        std::vector<float> x, y, inverse, end, way_x, way_y;
+        void grow(size_t n) {
+            if (x.size() >= n) return;
+            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y}) values->resize(2 * n);
+        }
+    } passing;
+    std::vector<std::uint32_t> sample;  // of `passing`
+    // Receivers that passes may say something of, and where each one's `stops` begin.
+    std::vector<std::uint32_t> open, first_stop;
 };
 
-#define WEFT_LIGHT_VOTE_KERNELS(isa)                                                            \
-    namespace isa {                                                                             \
-    void light_vote(const Hierarchy& lights, const LightView& view, const Locations& locations, \
-                    const ShadowQueries& queries, float bias, LightVoteScratch& scratch,        \
-                    LightShares& out);                                                          \
+#define WEFT_LIGHT_VOTE_KERNELS(isa)                                                             \
+    namespace isa {                                                                              \
+    void light_vote(const Hierarchy& hits, const Hierarchy& passes, const LightView& view,       \
+                    const Locations& locations, const ShadowQueries& queries, float bias,        \
+                    LightVoteScratch& scratch, LightShares& out);                                \
     }
 WEFT_LIGHT_VOTE_KERNELS(v2)
 WEFT_LIGHT_VOTE_KERNELS(v3)

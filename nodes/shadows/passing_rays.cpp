@@ -2,6 +2,8 @@
 // (passing_rays_kernel.h).
 #include "shadows/passing_rays_kernel.h"
 
+#include <algorithm>
+
 #include "runtime/node.h"
 
 namespace weft {
@@ -12,17 +14,15 @@ struct PassRays {
 
     static void declare(Ports<PassRays>& node) {
         node.about(
-                "adds to light samples where their rays pass surfaces that others meet: what "
+                "finds where rays of light samples pass surfaces that others meet: what "
                 "ray-vote-coverage knows the rims of surfaces by")
-            .in<Samples>("light-samples", "what the light sees along one ray each")
-            .in<Hierarchy>("hierarchy", "of the same")
+            .in<Hierarchy>("hits", "of what the light sees along one ray each")
             .in<LightView>("light-view", "of the same")
             .in<Samples>("samples", "the camera's, whose light_density scales the search",
                          Need::optional)
-            .out<Samples>(
-                "light-samples",
-                "the same with `end` 0, and a sample where a ray passes a surface: at its "
-                "depth, with its motion; `end` is how deep the ray gets")
+            .out<Samples>("passes",
+                          "a light sample where a ray passes a surface: at its depth, with its "
+                          "motion; `end` is how deep the ray gets")
             .param("radius-scale", &PassRays::radius_scale,
                    {.unit = "R",
                     .min = 0.05,
@@ -30,25 +30,30 @@ struct PassRays {
                     .about = "how near to a surface's samples a ray passes it"});
     }
     Cost cost(const Shapes& in) const {
-        const double n = double(in["light-samples"].records);
-        return {{{"light-samples", {0, 0, 0, std::int64_t(n), 56 * n}}}, 0, 2000 * n};
+        const double n = double(in["hits"].records);
+        return {{{"passes", {0, 0, 0, std::int64_t(n), 20 * n}}}, 8 * n, 2000 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
-        const Samples& lights = in.get<Samples>("light-samples");
-        const Hierarchy& hierarchy = in.get<Hierarchy>("hierarchy");
-        lights.require("passing-rays", {"xy", "z", "source"});
-        if (hierarchy.size() != lights.size())
-            throw Error("'hierarchy' is not that of 'light-samples': link the one made of them");
+        const Hierarchy& hits = in.get<Hierarchy>("hits");
         std::span<const float> density;
         if (const Samples* samples = in.find<Samples>("samples"))
             density = samples->values("light_density");
-        out.set("light-samples",
-                shadows::with_passes(lights, hierarchy, density, in.get<LightView>("light-view"),
-                                     {radius_scale}, ctx));
+        const auto source = hits.source.view();
+        if (!density.empty() && source.size() != hits.size())
+            throw Error(
+                "'hits' do not say which camera samples they are for; link a hierarchy of light "
+                "samples");
+        if (!density.empty() && !source.empty() &&
+            *std::max_element(source.begin(), source.end()) >= density.size())
+            throw Error(
+                "'samples' are not those that 'hits' are for: link the ones that the light "
+                "samples were made of");
+        out.set("passes",
+                shadows::passes(hits, density, in.get<LightView>("light-view"), {radius_scale}, ctx));
     }
 };
 
-WEFT_NODE(PassRays, "passing-rays", 2)
+WEFT_NODE(PassRays, "passing-rays", 3)
 
 }  // namespace
 }  // namespace weft

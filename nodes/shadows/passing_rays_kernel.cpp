@@ -17,32 +17,54 @@ constexpr size_t batch_size = 64, batches_at_once = 64;
 constexpr int block = 8;  // px
 
 struct Pass {
-    std::uint32_t ray, surface;  // samples of the buffer: whose ray, past whose surface
+    std::uint32_t ray, surface;  // samples of the hierarchy: whose ray, past whose surface
     float depth;                 // w of the surface's plane where the ray goes by
 };
 
-// Light samples by blocks of film, as their rays see it.
-LargeArray<std::uint32_t> in_blocks(const Samples& samples, Context& ctx) {
-    const auto xy = samples.xy();
-    LargeArray<std::uint64_t> keys(samples.size());
-    const std::uint64_t columns = std::uint64_t(samples.width / block) + 1;
-    ctx.parallel(samples.size(), 65536, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i)
-            keys[i] = std::uint64_t(std::max(xy[2 * i + 1], 0.0f)) / block * columns +
-                      std::uint64_t(std::max(xy[2 * i], 0.0f)) / block;
-    });
-    return light_field::sorted(std::move(keys), ctx);
-}
+// Light samples as rays: where, from where and when each was sent.
+class Rays {
+  public:
+    explicit Rays(const Hierarchy& h) : h_(h) {}
+
+    struct Ray {
+        float x, y, u, v, t, depth;  // px; w where it ends
+    };
+    // Of sample s of the hierarchy.
+    Ray operator[](std::uint32_t s) const {
+        const size_t j = h_.order[s];
+        Ray ray{0, 0, 0, 0, h_.t.empty() ? 0.5f : h_.t[j], 0};
+        if (!h_.uv.empty()) ray.u = h_.uv[2 * j], ray.v = h_.uv[2 * j + 1];
+        const float d = ray.t - 0.5f;
+        const Hierarchy::Velocity velocity = h_.velocity(s);
+        ray.depth = h_.W[s] + d * velocity.w;
+        const float slope = h_.lens.c0 / ray.depth + h_.lens.c1;
+        ray.x = (h_.X[s] + d * velocity.x) / ray.depth + slope * h_.lens.aspect * ray.u;
+        ray.y = (h_.Y[s] + d * velocity.y) / ray.depth + slope * ray.v;
+        return ray;
+    }
+    // By blocks of film.
+    LargeArray<std::uint32_t> in_blocks(Context& ctx) const {
+        LargeArray<std::uint64_t> keys(h_.size());
+        const std::uint64_t columns = std::uint64_t(h_.width / block) + 1;
+        ctx.parallel(h_.size(), 65536, [&](size_t begin, size_t end) {
+            for (size_t s = begin; s < end; ++s) {
+                const Ray ray = (*this)[std::uint32_t(s)];
+                keys[s] = std::uint64_t(std::max(ray.y, 0.0f)) / block * columns +
+                          std::uint64_t(std::max(ray.x, 0.0f)) / block;
+            }
+        });
+        return light_field::sorted(std::move(keys), ctx);
+    }
+
+  private:
+    const Hierarchy& h_;
+};
 
 class Finder {
   public:
-    Finder(const Samples& samples, const Hierarchy& hierarchy, std::span<const float> density,
-           const LightView& view, const PassingRays& set)
-        : samples_(samples),
-          density_(density),
-          planes_(hierarchy, samples.values("z_gradient"), samples.z(), view),
-          set_(set),
-          source_(samples.find("source")) {}
+    Finder(const Hierarchy& hits, std::span<const float> density, const LightView& view,
+           const PassingRays& set)
+        : rays_(hits), density_(density), planes_(hits, view), set_(set) {}
 
     struct Scratch {
         Locations at;
@@ -78,7 +100,7 @@ class Finder {
                     if (d2 < least) least = d2, nearest = i;
                 }
                 found.push_back(
-                    {of[l], h.order[c.sample[nearest]],
+                    {of[l], c.sample[nearest],
                      planes_.depth_beside(c.sample[nearest], c.dx[nearest], c.dy[nearest],
                                           c.u_of(l), c.v_of(l), c.t_of(l) - 0.5f)});
             }
@@ -87,7 +109,7 @@ class Finder {
   private:
     // The rays as places on the film.
     void ask(std::span<const std::uint32_t> of, Locations& at) const {
-        const auto xy = samples_.xy(), uv = samples_.uv(), t = samples_.t();
+        const Hierarchy& h = planes_.hierarchy();
         const size_t n = of.size();
         for (auto* values : {&at.x, &at.y, &at.u, &at.v, &at.t}) values->resize(n);
         at.ratio.resize(density_.empty() ? 0 : n);
@@ -96,11 +118,10 @@ class Finder {
         at.shared = false;
         float x0 = 1e30f, y0 = 1e30f, x1 = -1e30f, y1 = -1e30f;
         for (size_t l = 0; l < n; ++l) {
-            const std::uint32_t j = of[l];
-            at.x[l] = xy[2 * j], at.y[l] = xy[2 * j + 1];
-            at.u[l] = uv.empty() ? 0 : uv[2 * j], at.v[l] = uv.empty() ? 0 : uv[2 * j + 1];
-            at.t[l] = t.empty() ? 0.5f : t[j];
-            if (!density_.empty()) at.ratio[l] = std::sqrt(density_[source_ ? source_->ids[j] : j]);
+            const Rays::Ray ray = rays_[of[l]];
+            at.x[l] = ray.x, at.y[l] = ray.y;
+            at.u[l] = ray.u, at.v[l] = ray.v, at.t[l] = ray.t;
+            if (!density_.empty()) at.ratio[l] = std::sqrt(density_[h.source[h.order[of[l]]]]);
             x0 = std::min(x0, at.x[l]), x1 = std::max(x1, at.x[l]);
             y0 = std::min(y0, at.y[l]), y1 = std::max(y1, at.y[l]);
         }
@@ -111,9 +132,9 @@ class Finder {
     void keep_before(std::span<const std::uint32_t> of, Candidates& c) const {
         std::uint32_t kept = 0;
         for (size_t l = 0; l < of.size(); ++l) {
-            const std::uint32_t j = of[l];
             const float lx = c.u_of(l), ly = c.v_of(l), d = c.t_of(l) - 0.5f;
-            const Seen hit{1 / samples_.z()[j], planes_.from(planes_.slope(j), lx, ly)};
+            const Seen hit{1 / planes_.depth_at(of[l], d),
+                           planes_.from(planes_.slope(of[l]), lx, ly)};
             const std::uint32_t begin = std::exchange(c.offset[l], kept);
             const std::uint32_t end = c.offset[l + 1];
             for (std::uint32_t i = begin; i < end; ++i) {
@@ -127,30 +148,64 @@ class Finder {
         c.offset[of.size()] = kept;
     }
 
-    const Samples& samples_;
-    std::span<const float> density_;
-    Planes planes_;
-    PassingRays set_;
-    const Channel* source_;
+    const Rays rays_;
+    const std::span<const float> density_;
+    const Planes planes_;
+    const PassingRays set_;
 };
 
-template <class T>
-std::vector<T> grown(std::span<const T> values, size_t size) {
-    std::vector<T> out;
-    out.reserve(size);
-    out.assign(values.begin(), values.end());
-    out.resize(size);
+// As samples, in order.
+Samples as_samples(const std::vector<std::vector<Pass>>& found, const Hierarchy& hits) {
+    const Rays rays(hits);
+    size_t n = 0;
+    for (const auto& some : found) n += some.size();
+    Samples out;
+    out.width = hits.width, out.height = hits.height;
+    out.domain = "light";
+    out.color_space = hits.color_space;
+    out.set_size(n);
+    const bool lens = !hits.uv.empty(), tilted = !hits.plane_x.empty();
+    if (lens) out.lens = hits.lens;
+    // write(pass, its ray, where its numbers go).
+    const auto add = [&](const char* name, size_t components, auto&& write) {
+        std::vector<float> all(components * n);
+        float* to = all.data();
+        for (const auto& some : found)
+            for (const Pass& pass : some) write(pass, rays[pass.ray], to), to += components;
+        out.add(name, int(components), std::move(all));
+    };
+    using Ray = Rays::Ray;
+    add("xy", 2, [](const Pass&, const Ray& ray, float* to) { to[0] = ray.x, to[1] = ray.y; });
+    if (lens)
+        add("uv", 2, [](const Pass&, const Ray& ray, float* to) { to[0] = ray.u, to[1] = ray.v; });
+    if (hits.moving) {
+        add("t", 1, [](const Pass&, const Ray& ray, float* to) { *to = ray.t; });
+        add("motion", 3, [&](const Pass& pass, const Ray&, float* to) {
+            const Hierarchy::Velocity velocity = hits.velocity(pass.surface);
+            to[0] = velocity.x, to[1] = velocity.y, to[2] = velocity.w;
+        });
+    }
+    add("z", 1, [](const Pass& pass, const Ray&, float* to) { *to = pass.depth; });
+    if (tilted)
+        add("z_gradient", 2, [&](const Pass& pass, const Ray&, float* to) {
+            const float square = -pass.depth * pass.depth;
+            to[0] = hits.plane_x[pass.surface] * square;
+            to[1] = hits.plane_y[pass.surface] * square;
+        });
+    add("end", 1, [](const Pass&, const Ray& ray, float* to) { *to = ray.depth; });
+    std::vector<std::uint64_t> first(out.pixels() + 1, 0);
+    first.back() = n;
+    out.first = std::move(first);
     return out;
 }
 
 }  // namespace
 
-Samples with_passes(const Samples& samples, const Hierarchy& hierarchy,
-                    std::span<const float> density, const LightView& view, const PassingRays& set,
-                    Context& ctx) {
-    const size_t n = samples.size();
-    const LargeArray<std::uint32_t> order = in_blocks(samples, ctx);
-    const Finder finder(samples, hierarchy, density, view, set);
+Samples passes(const Hierarchy& hits, std::span<const float> density, const LightView& view,
+               const PassingRays& set, Context& ctx) {
+    const size_t n = hits.size();
+    const LargeArray<std::uint32_t> order = Rays(hits).in_blocks(ctx);
+    const Finder finder(hits, density, view, set);
     constexpr size_t part = batch_size * batches_at_once;
     std::vector<std::vector<Pass>> found((n + part - 1) / part);
     ctx.parallel(found.size(), 1, [&](size_t begin, size_t end) {
@@ -160,49 +215,13 @@ Samples with_passes(const Samples& samples, const Hierarchy& hierarchy,
                 finder.find(std::span(order.data() + i, std::min(batch_size, n - i)), scratch,
                             found[p]);
     });
-    size_t size = n;
-    for (const auto& passes : found) size += passes.size();
-
-    Samples out = samples;
-    out.set_size(size);
-    const auto xy = samples.xy(), uv = samples.uv(), t = samples.t(), z = samples.z(),
-               motion = samples.motion(), gradient = samples.values("z_gradient");
-    // Where the ray goes by, and how deep the surface is there and how it moves.
-    const auto extend = [&](std::string_view name, int components, std::span<const float> values,
-                            auto&& write) {
-        if (values.empty()) return;
-        std::vector<float> all = grown(values, size * size_t(components));
-        size_t to = n;
-        for (const auto& passes : found)
-            for (const Pass& pass : passes) write(pass, &all[size_t(components) * to++]);
-        out.add(std::string(name), components, std::move(all));
-    };
-    const auto pair = [](std::span<const float> from, std::uint32_t j, float* at) {
-        at[0] = from[2 * j], at[1] = from[2 * j + 1];
-    };
-    extend("xy", 2, xy, [&](const Pass& p, float* at) { pair(xy, p.ray, at); });
-    extend("uv", 2, uv, [&](const Pass& p, float* at) { pair(uv, p.ray, at); });
-    extend("t", 1, t, [&](const Pass& p, float* at) { *at = t[p.ray]; });
-    extend("z", 1, z, [&](const Pass& p, float* at) { *at = p.depth; });
-    extend("motion", 3, motion,
-           [&](const Pass& p, float* at) { std::copy_n(&motion[3 * p.surface], 3, at); });
-    extend("z_gradient", 2, gradient,
-           [&](const Pass& p, float* at) { pair(gradient, p.surface, at); });
-    std::vector<float> end(n, 0);
-    end.reserve(size);
-    for (const auto& passes : found)
-        for (const Pass& pass : passes) end.push_back(z[pass.ray]);
-    out.add("end", 1, std::move(end));
-    if (const Channel* source = samples.find("source")) {
-        std::vector<std::uint32_t> all = grown(source->ids.view(), size);
-        size_t to = n;
-        for (const auto& passes : found)
-            for (const Pass& pass : passes) all[to++] = source->ids[pass.ray];
-        out.add_ids("source", std::move(all));
-    }
-    std::vector<std::uint64_t> first(out.pixels() + 1, 0);
-    first.back() = size;
-    out.first = std::move(first);
+    Samples out = as_samples(found, hits);
+    // As dense as the rays are.
+    Json light = Json::object();
+    light.set("name", view.name);
+    light.set("camera_spp", hits.mean_spp);
+    out.meta = Json::object();
+    out.meta.set("light", std::move(light));
     out.meta = out.meta_object();
     return out;
 }

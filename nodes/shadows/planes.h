@@ -5,7 +5,6 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "light-field/hierarchy.h"
 #include "shadows/light_view.h"
@@ -39,13 +38,9 @@ class Planes {
     // nothing of what lies beyond.
     static constexpr float steepest = 4;
 
-    // `gradient` and `depth`: dw/dx, dw/dy as seen from l = 0 (empty: level), and w, of each sample
-    // in the order of the buffer that `hierarchy` was built from.
-    Planes(const Hierarchy& hierarchy, std::span<const float> gradient,
-           std::span<const float> depth, const LightView& view)
+    // Of a hierarchy of light samples: those of whose surface nothing is known lie level.
+    Planes(const Hierarchy& hierarchy, const LightView& view)
         : h_(hierarchy),
-          gradient_(gradient),
-          depth_(depth),
           c0x_(float(view.c0x())),
           c0y_(float(view.c0y())),
           steepest_(steepest / float(view.k)),
@@ -60,17 +55,16 @@ class Planes {
     }
     // That of sample s of the hierarchy at 1/w = inverse.
     Slope own(std::uint32_t s, float inverse, float lx, float ly) const {
-        const Slope h = slope(h_.order[s]);
+        const Slope h = slope(s);
         const float divisor = std::max(1 + c0x_ * h.x * lx + c0y_ * h.y * ly, 1e-6f);
         const float steep = std::sqrt(h.x * h.x + h.y * h.y) / divisor, most = steepest_ * inverse;
         const float scale = (steep > most ? most / steep : 1) / divisor;
         return {h.x * scale, h.y * scale};
     }
-    // Slope of 1/w of sample j of the buffer, seen from l = 0.
-    Slope slope(std::uint32_t j) const {
-        if (gradient_.empty()) return {};
-        const float square = -1 / (depth_[j] * depth_[j]);
-        return {gradient_[2 * j] * square, gradient_[2 * j + 1] * square};
+    // Slope of 1/w of sample s of the hierarchy, seen from l = 0.
+    Slope slope(std::uint32_t s) const {
+        if (h_.plane_x.empty()) return {};
+        return {h_.plane_x[s], h_.plane_y[s]};
     }
     // w of sample s of the hierarchy, d = t - 1/2.
     float depth_at(std::uint32_t s, float d) const {
@@ -92,10 +86,8 @@ class Planes {
                 float d, DepthTest test, float bias) const {
         const float w = depth_at(s, d);
         if (test == DepthTest::linear) {
-            const std::uint32_t j = h_.order[s];
-            const float gx = gradient_.empty() ? 0.0f : gradient_[2 * j],
-                        gy = gradient_.empty() ? 0.0f : gradient_[2 * j + 1];
-            return 1 / receiver.inverse - bias > w - (gx * dx + gy * dy);
+            const Slope h = slope(s);  // dw = -w^2 d(1/w)
+            return 1 / receiver.inverse - bias > w + w * w * (h.x * dx + h.y * dy);
         }
         const float inverse = 1 / w,
                     bend = test == DepthTest::both_planes ? px_ * std::sqrt(dx * dx + dy * dy) : 0,
@@ -104,13 +96,12 @@ class Planes {
             limit + (receiver.slope.x * dx + receiver.slope.y * dy) >= inverse)
             return false;
         const Slope h = test == DepthTest::both_planes ? own(s, inverse, lx, ly)
-                                                       : from(slope(h_.order[s]), lx, ly);
+                                                       : from(slope(s), lx, ly);
         return limit < inverse - (h.x * dx + h.y * dy);
     }
 
   private:
     const Hierarchy& h_;
-    std::span<const float> gradient_, depth_;
     float c0x_, c0y_, steepest_;
     float px_;  // as wide as a px of film, a unit away
 };

@@ -1,4 +1,5 @@
-// ray_vote() of locations one by one, with a search of their own around each.
+// Votes of rays (ray_vote_kernel.h) with searches of their own: for passes where something stops the
+// light, and farther around where nobody is near.
 #pragma once
 #include <cmath>
 
@@ -9,84 +10,97 @@ namespace weft::shadows {
 
 class RayVoteAround {
   public:
-    // Of light samples as of passing-rays.
-    RayVoteAround(const Hierarchy& hierarchy, const Samples& lights, const LightView& view,
+    RayVoteAround(const Hierarchy& hits, const Hierarchy& passes, const LightView& view,
                   const RayVote& set)
-        : planes(hierarchy, lights.values("z_gradient"), lights.z(), view),
-          end(lights.values("end")),
-          set_(set) {}
+        : voting_(hits, passes, view, set) {}
 
     struct Scratch {
+        // What is near some locations.
+        struct Near {
+            Locations at;
+            light_field::Block block;
+            Candidates found;
+        } hits, passes;
+        std::vector<std::uint32_t> open;
         RayVoteScratch vote;
-        light_field::Block block;
-        Locations at;
-        Candidates found;
         ShadowQueries queries;
         LightShares shares;
     };
 
-    // By candidates that are there.
-    void vote(const Candidates& candidates, const ShadowQueries& queries, Scratch& s,
-              LightShares& shares) const {
-        ray_vote(candidates, queries, planes, end, set_, s.vote, shares);
+    // By hits that are there, and by passes within `scale` R.
+    void vote(const Candidates& hits, const Locations& at, const ShadowQueries& queries,
+              float scale, Scratch& s, LightShares& shares) const {
+        voting_.by_hits(hits, queries, shares, s.open);
+        if (voting_.passes().size() == 0 || !choose(at, s.open, s.passes.at)) return;
+        look_near(voting_.passes(), s.passes.at, scale, s.passes);
+        voting_.by_passes(hits, s.passes.found, s.open, queries, s.vote, shares);
     }
     // By what is within `scale` R.
     void look(const Locations& at, const ShadowQueries& queries, float scale, Scratch& s,
               LightShares& shares) const {
-        s.found.pixels = at.pixels;
-        light_field::gather_around(planes.hierarchy(), at, scale, s.block, s.found);
-        vote(s.found, queries, s, shares);
+        look_near(voting_.hits(), at, scale, s.hits);
+        vote(s.hits.found, at, queries, scale, s, shares);
     }
     // Looks farther around, `times` twice as far as before, for those that found nobody within
     // `scale` R.
     void widen(const Locations& at, const ShadowQueries& queries, float scale, int times,
                Scratch& s, LightShares& shares) const {
-        for (int k = 1; k <= times && take_lonely(at, queries, shares, s); ++k) {
-            s.shares.pixels = s.at.pixels;
-            look(s.at, s.queries, std::ldexp(scale, k), s, s.shares);
-            for (size_t i = 0; i < s.at.size(); ++i) {
-                const std::uint32_t l = s.at.own_parents[i];
+        for (int k = 1; k <= times; ++k) {
+            s.open.clear();
+            for (size_t l = 0; l < at.size(); ++l)
+                if (shares.votes[l] == 0 && queries.inverse_depth[l] > 0)
+                    s.open.push_back(std::uint32_t(l));
+            if (!choose(at, s.open, s.hits.at)) return;
+            choose(queries, s.open, s.queries);
+            s.shares.pixels = s.hits.at.pixels;
+            look(s.hits.at, s.queries, std::ldexp(scale, k), s, s.shares);
+            for (size_t i = 0; i < s.hits.at.size(); ++i) {
+                const std::uint32_t l = s.hits.at.own_parents[i];
                 shares.share[l] = s.shares.share[i];
                 shares.votes[l] = s.shares.votes[i];
             }
         }
     }
 
-    const Planes planes;
-    const std::span<const float> end;
-
   private:
-    // Those that were asked for and found no ray; false if there are none.
-    static bool take_lonely(const Locations& at, const ShadowQueries& queries,
-                            const LightShares& shares, Scratch& s) {
-        Locations& to = s.at;
-        for (auto* values : {&to.x, &to.y, &to.u, &to.v, &to.t, &to.ratio, &s.queries.inverse_depth,
-                             &s.queries.slope_x, &s.queries.slope_y})
-            values->clear();
-        to.own_pixels.clear(), to.own_parents.clear();
+    static void look_near(const Hierarchy& h, const Locations& at, float scale,
+                          Scratch::Near& near) {
+        near.found.pixels = at.pixels;
+        light_field::gather_around(h, at, scale, near.block, near.found);
+    }
+    // Some of the locations, whose places there are their parents here; false if these are none.
+    static bool choose(const Locations& from, std::span<const std::uint32_t> which,
+                       Locations& to) {
+        for (auto* values : {&to.x, &to.y, &to.u, &to.v, &to.t, &to.ratio}) values->clear();
+        to.own_pixels.clear();
+        to.own_parents.assign(which.begin(), which.end());
         to.shared = false;
         float x0 = 1e30f, y0 = 1e30f, x1 = -1e30f, y1 = -1e30f;
-        for (size_t l = 0; l < at.size(); ++l) {
-            if (shares.votes[l] > 0 || !(queries.inverse_depth[l] > 0)) continue;
-            to.x.push_back(at.x[l]), to.y.push_back(at.y[l]);
-            to.u.push_back(at.u_of(l)), to.v.push_back(at.v_of(l)), to.t.push_back(at.t_of(l));
-            if (!at.ratio.empty()) to.ratio.push_back(at.ratio[l]);
-            to.own_pixels.push_back(at.pixels[l]);
-            to.own_parents.push_back(std::uint32_t(l));
-            s.queries.inverse_depth.push_back(queries.inverse_depth[l]);
-            s.queries.slope_x.push_back(queries.slope_x[l]);
-            s.queries.slope_y.push_back(queries.slope_y[l]);
-            x0 = std::min(x0, at.x[l]), x1 = std::max(x1, at.x[l]);
-            y0 = std::min(y0, at.y[l]), y1 = std::max(y1, at.y[l]);
+        for (const std::uint32_t l : which) {
+            to.x.push_back(from.x[l]), to.y.push_back(from.y[l]);
+            to.u.push_back(from.u_of(l)), to.v.push_back(from.v_of(l)), to.t.push_back(from.t_of(l));
+            if (!from.ratio.empty()) to.ratio.push_back(from.ratio[l]);
+            to.own_pixels.push_back(from.pixels[l]);
+            x0 = std::min(x0, from.x[l]), x1 = std::max(x1, from.x[l]);
+            y0 = std::min(y0, from.y[l]), y1 = std::max(y1, from.y[l]);
         }
         to.pixels = to.own_pixels;
-        if (to.size() == 0) return false;
+        if (which.empty()) return false;
         to.x0 = int(std::floor(x0)), to.y0 = int(std::floor(y0));
         to.x1 = int(std::floor(x1)) + 1, to.y1 = int(std::floor(y1)) + 1;
         return true;
     }
+    static void choose(const ShadowQueries& from, std::span<const std::uint32_t> which,
+                       ShadowQueries& to) {
+        for (auto* values : {&to.inverse_depth, &to.slope_x, &to.slope_y}) values->clear();
+        for (const std::uint32_t l : which) {
+            to.inverse_depth.push_back(from.inverse_depth[l]);
+            to.slope_x.push_back(from.slope_x[l]);
+            to.slope_y.push_back(from.slope_y[l]);
+        }
+    }
 
-    const RayVote set_;
+    const RayVoting voting_;
 };
 
 }  // namespace weft::shadows

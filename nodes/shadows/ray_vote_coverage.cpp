@@ -19,7 +19,7 @@ struct RayVoteCoverage {
             .in<Locations>("locations", "on the light's film")
             .in<Candidates>("candidates", "the light samples near each location")
             .in<ShadowQueries>("queries", "the receivers")
-            .in<Samples>("light-samples", "of the candidates, as of passing-rays")
+            .in<Hierarchy>("passes", "of what passing-rays found of the same light samples")
             .in<LightView>("light-view", "of the light samples")
             .out<LightShares>("shares",
                               "1 where light arrives, 0 where not; 1 where no ray is near")
@@ -41,17 +41,17 @@ struct RayVoteCoverage {
         const ShadowQueries& queries = in.get<ShadowQueries>("queries");
         const Locations& at = in.get<Locations>("locations");
         LightShares& shares = out.get<LightShares>("shares");
-        const Hierarchy& h = *candidates.hierarchy;
-        const RayVoteAround around(h, in.get<Samples>("light-samples"),
+        const Hierarchy& hits = *candidates.hierarchy;
+        const RayVoteAround around(hits, in.get<Hierarchy>("passes"),
                                    in.get<LightView>("light-view"), {test, bias});
-        around.vote(candidates, queries, scratch, shares);
-        around.widen(at, queries,
-                     candidates.radius / std::max(light_field::largest_radius(h, at), 1e-30f),
-                     max_widen, scratch, shares);
+        const float scale =
+            candidates.radius / std::max(light_field::largest_radius(hits, at), 1e-30f);
+        around.vote(candidates, at, queries, scale, scratch, shares);
+        around.widen(at, queries, scale, max_widen, scratch, shares);
     }
 };
 
-WEFT_NODE(RayVoteCoverage, "ray-vote-coverage", 2)
+WEFT_NODE(RayVoteCoverage, "ray-vote-coverage", 3)
 
 }  // namespace
 }  // namespace weft

@@ -33,8 +33,8 @@ struct SoftShadowZReconstruct {
             .in("hierarchy", {"locate-receivers.hierarchy"})
             .in("samples", {"locate-receivers.samples"})
             .in("light-view", {"locate-receivers.light-view", "ray-vote-coverage.light-view"})
-            .in("lights", {"reproject.hierarchy"})
-            .in("light-samples", {"ray-vote-coverage.light-samples"})
+            .in("hits", {"reproject.hierarchy"})
+            .in("passes", {"ray-vote-coverage.passes"})
             .out("queries", "locate-receivers.queries")
             .out("shares", "ray-vote-coverage.shares")
             .param("locate-receivers.seed", &This::seed)
@@ -57,7 +57,8 @@ struct SoftShadowZReconstruct {
 
     void batch(const Inputs& in, Outputs& out, Scratch& s) const {
         const Hierarchy& camera = in.get<Hierarchy>("hierarchy");
-        const Hierarchy& lights = in.get<Hierarchy>("lights");
+        const Hierarchy& hits = in.get<Hierarchy>("hits");
+        const Hierarchy& passes = in.get<Hierarchy>("passes");
         const LightView& view = in.get<LightView>("light-view");
         const Locations& from = in.get<Locations>("locations");
         ShadowQueries& queries =
@@ -76,9 +77,9 @@ struct SoftShadowZReconstruct {
                 return s.receivers[place];
             },
             s.at, queries);
-        const RayVoteAround around(lights, in.get<Samples>("light-samples"), view, {test, bias});
+        const RayVoteAround around(hits, passes, view, {test, bias});
         if (s.at.shared)
-            WEFT_PICK(light_vote)(lights, view, s.at, queries, bias, s.vote, shares);
+            WEFT_PICK(light_vote)(hits, passes, view, s.at, queries, bias, s.vote, shares);
         else
             around.look(s.at, queries, search, s.around, shares);
         around.widen(s.at, queries, search, max_widen, s.around, shares);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <set>
 
 #include "light-field/hierarchy.h"
 #include "render/scene.h"
@@ -254,32 +255,35 @@ TEST(PassingRays, LieOnTheirRaysBeforeTheirHits) {
     const auto hierarchy_of = [](const Samples& samples) {
         return RunNode("build-hierarchy").in("samples", samples).out<Hierarchy>("hierarchy");
     };
-    const Samples rays = RunNode("passing-rays")
-                             .in("light-samples", hits)
-                             .in("hierarchy", hierarchy_of(hits))
-                             .in("light-view", flat.view)
-                             .out<Samples>("light-samples");
-    ASSERT_GT(rays.size(), hits.size());
-    const auto end = rays.values("end");
-    size_t passes = 0;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        if (i < hits.size()) {
-            EXPECT_EQ(end[i], 0) << i;
-            EXPECT_EQ(rays.z()[i], hits.z()[i]) << i;
-            continue;
-        }
-        ++passes;
-        EXPECT_LT(rays.z()[i], end[i]) << i;
-        EXPECT_GT(rays.z()[i], 0) << i;
+    const Hierarchy hierarchy = hierarchy_of(hits);
+    const auto passes_of = [&](const Hierarchy& h, const Samples& camera) {
+        return RunNode("passing-rays")
+            .in("hits", h)
+            .in("light-view", flat.view)
+            .in("samples", camera)
+            .out<Samples>("passes");
+    };
+    const Samples passes = passes_of(hierarchy, flat.samples);
+    ASSERT_GT(passes.size(), 10u);
+    const auto end = passes.values("end"), ends = hits.z();
+    const std::set<float> known(ends.begin(), ends.end());
+    for (size_t i = 0; i < passes.size(); ++i) {
+        EXPECT_LT(passes.z()[i], end[i]) << i;
+        EXPECT_GT(passes.z()[i], 0) << i;
+        const auto near = known.lower_bound(end[i] * (1 - 1e-6f));
+        ASSERT_TRUE(near != known.end()) << i;
+        EXPECT_NEAR(*near, end[i], 1e-5f * end[i]) << i;
     }
-    EXPECT_GT(passes, 10u);
-    EXPECT_NE(error_of([&] {
-                  RunNode("passing-rays")
-                      .in("light-samples", hits)
-                      .in("hierarchy", hierarchy_of(rays))
-                      .in("light-view", flat.view)
-                      .out<Samples>("light-samples");
-              }).find("is not that of 'light-samples'"),
+    // They are light samples themselves.
+    const Hierarchy by = hierarchy_of(passes);
+    EXPECT_EQ(by.end.size(), passes.size());
+    EXPECT_EQ(by.radius, hierarchy.radius);
+
+    Samples few = flat.samples;
+    few.add("light_density", 1, std::vector<float>(1, 1.0f));
+    EXPECT_NE(error_of([&] { passes_of(hierarchy, few); }).find("'samples' are not those"),
+              std::string::npos);
+    EXPECT_NE(error_of([&] { passes_of(by, few); }).find("do not say which camera samples"),
               std::string::npos);
 }
 

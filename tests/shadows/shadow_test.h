@@ -18,7 +18,7 @@
 #include "shadows/depth_vote_kernel.h"
 #include "shadows/light_samples.h"
 #include "shadows/passing_rays_kernel.h"
-#include "shadows/ray_vote_kernel.h"
+#include "shadows/ray_vote_around.h"
 #include "tests/run_node.h"
 
 namespace weft {
@@ -89,9 +89,8 @@ class ShadowTest {
         hierarchy_ = light_field::build_hierarchy(samples_, light_field::Arrangement::layers,
                                                   radius_scale, ctx);
         if (!set_.rays) return;
-        samples_ = shadows::with_passes(samples_, hierarchy_, {}, view_, {}, ctx);
-        hierarchy_ = light_field::build_hierarchy(samples_, light_field::Arrangement::layers,
-                                                  radius_scale, ctx);
+        passes_ = light_field::build_hierarchy(shadows::passes(hierarchy_, {}, view_, {}, ctx),
+                                               light_field::Arrangement::layers, radius_scale, ctx);
     }
 
     const LightView& view() const { return view_; }
@@ -161,16 +160,14 @@ class ShadowTest {
         WEFT_PICK(gather_each)(hierarchy_, block, at, radius, candidates);
         light_field::narrow(wide, at, candidates);
         if (set_.rays) {
-            shadows::RayVoteScratch scratch;
-            shadows::ray_vote(candidates, ask,
-                              {hierarchy_, samples_.values("z_gradient"), samples_.z(), view_},
-                              samples_.values("end"), {vote.test, vote.bias}, scratch, shares);
+            const shadows::RayVoteAround rays(hierarchy_, passes_, view_, {vote.test, vote.bias});
+            shadows::RayVoteAround::Scratch scratch;
+            rays.vote(candidates, at, ask, wide, scratch, shares);
             return shares;
         }
         WEFT_PICK(cluster)(candidates, {}, cluster, surfaces);
         WEFT_PICK(cover_finally)(candidates, surfaces, hierarchy_.radius, coverage, visibility);
-        shadows::depth_vote(candidates, surfaces, visibility, ask,
-                            {hierarchy_, samples_.values("z_gradient"), samples_.z(), view_}, vote,
+        shadows::depth_vote(candidates, surfaces, visibility, ask, {hierarchy_, view_}, vote,
                             shares);
         return shares;
     }
@@ -212,7 +209,7 @@ class ShadowTest {
     ShadowSetup set_;
     LightView view_;
     Samples samples_;
-    Hierarchy hierarchy_;
+    Hierarchy hierarchy_, passes_;
 };
 
 // Error over receivers (x, 0), x even in [low, high].
