@@ -82,7 +82,7 @@ void AdaptiveRun::look_for_hidden_noise(Context& ctx) const {
     std::vector<std::vector<float>> places(tree_.dimensions());
     for (size_t i = 0; i < tree_.samples(); i += 100)
         for (size_t d = 0; d < tree_.dimensions(); ++d)
-            places[d].push_back(below_one(tree_.at(d)[i] / settings_.extent[d]));
+            places[d].push_back(below_one(tree_.at(d, i) / settings_.extent[d]));
     const std::vector<std::span<const float>> views(places.begin(), places.end());
     const Evaluated one = evaluate(sampler_, views, 0, ctx),
                     other = evaluate(sampler_, views, 1, ctx);
@@ -120,8 +120,8 @@ void AdaptiveRun::hand_out(Outputs& out) const {
                 float(tree_.volume(tree_.leaf(l)) / (pixel * double(tree_.leaf(l).samples.size())));
     std::vector<std::vector<float>> points(axes);
     for (size_t d = 0; d < axes; ++d)
-        for (const float x : tree_.at(d))
-            points[d].push_back(std::min(x / settings_.extent[d], 0x1.fffffep-1f));
+        for (size_t i = 0; i < n; ++i)
+            points[d].push_back(std::min(tree_.at(d, i) / settings_.extent[d], 0x1.fffffep-1f));
     std::vector<std::uint32_t> order;
     const std::vector<std::span<const float>> views(points.begin(), points.end());
     const Evaluated values{{tree_.rgb().begin(), tree_.rgb().end()}, features_, 0};
@@ -153,7 +153,7 @@ LeafTree AdaptiveRun::leaves(std::span<const std::uint32_t> place) const {
             leaves.mean.push_back(leaf.samples.empty() ? 0.0f
                                                        : float(m / double(leaf.samples.size())));
         leaves.first.push_back(std::uint32_t(leaves.samples.size()));
-        leaves.error.push_back(float(leaf.error));
+        leaves.error.push_back(float(tree_.errors()[l]));
     }
     return leaves;
 }

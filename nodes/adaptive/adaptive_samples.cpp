@@ -27,7 +27,7 @@ struct AdaptiveSamples : AdaptiveSettings {
     }
 };
 
-WEFT_NODE(AdaptiveSamples, "adaptive-samples", 1)
+WEFT_NODE(AdaptiveSamples, "adaptive-samples", 2)
 
 }  // namespace
 }  // namespace weft

@@ -80,9 +80,9 @@ struct AdaptiveEnd {
     }
 };
 
-WEFT_NODE(AdaptiveBegin, "adaptive-begin", 1)
-WEFT_NODE(AdaptiveStep, "adaptive-step", 1)
-WEFT_NODE(AdaptiveEnd, "adaptive-end", 1)
+WEFT_NODE(AdaptiveBegin, "adaptive-begin", 2)
+WEFT_NODE(AdaptiveStep, "adaptive-step", 2)
+WEFT_NODE(AdaptiveEnd, "adaptive-end", 2)
 
 }  // namespace
 }  // namespace weft

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "samples/random.h"
@@ -13,11 +14,18 @@ constexpr size_t least_round = 256;  // leaves
 constexpr size_t most_samples = 66;  // a leaf ever has: capacity is 64 at most
 constexpr size_t most_in_small = 8;  // samples of a leaf that is too small to be cut
 
-// Of a place in the tree: which candidate, which axis.
-float number(std::uint64_t seed, std::uint64_t key, size_t samples, int candidate, size_t axis) {
-    return unit_float(mix(mix(seed ^ mix(key)) ^
-                          (std::uint64_t(samples) << 40 | std::uint64_t(candidate) << 8 | axis)));
-}
+// Numbers of a place in the tree: of a leaf as it is now, by candidate and axis.
+class Numbers {
+  public:
+    Numbers(std::uint64_t seed, std::uint64_t key, size_t samples)
+        : of_leaf_(mix(seed ^ mix(key))), samples_(std::uint64_t(samples) << 40) {}
+    float operator()(size_t candidate, size_t axis) const {
+        return unit_float(mix(of_leaf_ ^ (samples_ | std::uint64_t(candidate) << 8 | axis)));
+    }
+
+  private:
+    std::uint64_t of_leaf_, samples_;
+};
 
 // How many first cells along each axis.
 std::vector<size_t> initial_cells(const TreeSettings& settings, size_t wanted, size_t most) {
@@ -65,15 +73,18 @@ std::vector<size_t> initial_cells(const TreeSettings& settings, size_t wanted, s
 double leaf_error(std::span<const float> rgb, double volume, Contrast contrast) {
     const size_t n = rgb.size() / 3;
     if (n == 0) return 0;
+    const double each = 1 / double(n);
     double sum = 0;
     for (size_t c = 0; c < 3; ++c) {
         double mean = 0;
-        for (size_t i = 0; i < n; ++i) mean += double(rgb[3 * i + c]) / double(n);
+        for (size_t i = 0; i < n; ++i) mean += double(rgb[3 * i + c]);
+        mean *= each;
         double off = 0;
         // Fireflies draw no more than sixteen times what is around them.
         const double most = mean > 0 ? 16 * mean : 1e300;
         for (size_t i = 0; i < n; ++i)
-            off += std::abs(std::min(double(rgb[3 * i + c]), most) - mean) / double(n);
+            off += std::abs(std::min(double(rgb[3 * i + c]), most) - mean);
+        off *= each;
         const double level = std::max(mean, 0.0) + 1e-3;
         sum += contrast == Contrast::absolute
                    ? off
@@ -89,7 +100,6 @@ Tree::Tree(const TreeSettings& settings, size_t initial_samples, size_t budget)
     : settings_(settings) {
     const size_t axes = dimensions();
     requested_.resize(axes);
-    at_.resize(axes);
     const std::vector<size_t> cells =
         initial_cells(settings_, initial_samples / settings_.capacity, budget / settings_.capacity);
     size_t slabs = 1;
@@ -123,6 +133,8 @@ Tree::Tree(const TreeSettings& settings, size_t initial_samples, size_t budget)
                 leaves_.push_back(std::move(leaf));
             }
     }
+    errors_.resize(leaves_.size());
+    rests_.resize(leaves_.size());
 }
 
 double Tree::volume(const Leaf& leaf) const {
@@ -132,42 +144,45 @@ double Tree::volume(const Leaf& leaf) const {
 }
 
 double Tree::largest_error() const {
-    double most = 0;
-    for (const Leaf& leaf : leaves_) most = std::max(most, leaf.error);
-    return most;
+    return errors_.empty() ? 0 : *std::max_element(errors_.begin(), errors_.end());
 }
 double Tree::total_error() const {
-    double sum = 0;
-    for (const Leaf& leaf : leaves_) sum += leaf.error;
-    return sum;
+    return std::accumulate(errors_.begin(), errors_.end(), 0.0);
 }
 
 // Those of largest error, or, with alpha, each by chance; in order.
 std::vector<std::uint32_t> Tree::chosen_leaves(size_t most) const {
-    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> chosen;
     if (settings_.alpha > 0) {
         double largest = 0;
-        for (const Leaf& leaf : leaves_)
-            if (!leaf.rests) largest = std::max(largest, leaf.error);
-        for (std::uint32_t l = 0; l < leaves_.size() && order.size() < most; ++l) {
-            const double probability = std::pow(leaves_[l].error / largest, settings_.alpha);
+        for (size_t l = 0; l < leaves_.size(); ++l)
+            if (!rests_[l]) largest = std::max(largest, errors_[l]);
+        for (std::uint32_t l = 0; l < leaves_.size() && chosen.size() < most; ++l) {
+            const double probability = std::pow(errors_[l] / largest, settings_.alpha);
             const float chance = unit_float(mix(mix(settings_.seed + round_) ^ leaves_[l].key));
-            if (!leaves_[l].rests && double(chance) < probability) order.push_back(l);
+            if (!rests_[l] && double(chance) < probability) chosen.push_back(l);
         }
-        return order;
+        return chosen;
     }
-    for (std::uint32_t l = 0; l < leaves_.size(); ++l)
-        if (!leaves_[l].rests) order.push_back(l);
-    const size_t round =
-        std::min({order.size(), most,
-                  std::max(least_round, size_t(double(leaves_.size()) * settings_.round))});
-    const auto larger = [&](std::uint32_t a, std::uint32_t b) {
-        return leaves_[a].error != leaves_[b].error ? leaves_[a].error > leaves_[b].error : a < b;
-    };
-    std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(round), order.end(), larger);
-    order.resize(round);
-    std::sort(order.begin(), order.end());
-    return order;
+    const auto round =
+        std::min(most, std::max(least_round, size_t(double(leaves_.size()) * settings_.round)));
+    std::vector<double> wanting = errors_;  // no error is below 0
+    for (size_t l = 0; l < wanting.size(); ++l)
+        if (rests_[l]) wanting[l] = -1;
+    std::vector<double> sorted = wanting;
+    double least = 0;
+    if (round < sorted.size()) {
+        const auto last = sorted.begin() + std::ptrdiff_t(round) - 1;
+        std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
+        least = std::max(least, *last);
+    }
+    // Of those whose error is the least the first ones.
+    size_t equal = round;
+    for (const double error : wanting) equal -= error > least && equal > 0 ? 1 : 0;
+    for (std::uint32_t l = 0; l < wanting.size(); ++l)
+        if (wanting[l] > least || (wanting[l] == least && equal > 0 && equal-- > 0))
+            chosen.push_back(l);
+    return chosen;
 }
 
 size_t Tree::request(size_t most) {
@@ -179,16 +194,16 @@ size_t Tree::request(size_t most) {
         for (size_t d = 0; d < dimensions(); ++d)
             requested_[d].push_back(below_one(p[d] / settings_.extent[d]));
     };
-    const auto candidate = [&](const Leaf& leaf, size_t samples, int which) {
+    const auto candidate = [&](const Leaf& leaf, const Numbers& numbers, size_t which) {
         std::array<float, most_axes> p{};
         for (size_t d = 0; d < dimensions(); ++d)
-            p[d] = leaf.lo[d] +
-                   (leaf.hi[d] - leaf.lo[d]) * number(settings_.seed, leaf.key, samples, which, d);
+            p[d] = leaf.lo[d] + (leaf.hi[d] - leaf.lo[d]) * numbers(which, d);
         return p;
     };
     if (samples() == 0) {
         for (std::uint32_t l = 0; l < leaves_.size(); ++l)
-            for (size_t k = 0; k < settings_.capacity; ++k) place(l, candidate(leaves_[l], k, 0));
+            for (size_t k = 0; k < settings_.capacity; ++k)
+                place(l, candidate(leaves_[l], {settings_.seed, leaves_[l].key, k}, 0));
         return chosen_.size();
     }
     const std::vector<std::uint32_t> order = chosen_leaves(most);
@@ -196,13 +211,14 @@ size_t Tree::request(size_t most) {
         const Leaf& leaf = leaves_[l];
         std::array<float, most_axes> best{};
         float farthest = -1;
-        for (int k = 0; k < settings_.candidates; ++k) {
-            const auto p = candidate(leaf, leaf.samples.size(), k);
+        const Numbers numbers(settings_.seed, leaf.key, leaf.samples.size());
+        for (size_t k = 0; k < size_t(settings_.candidates); ++k) {
+            const auto p = candidate(leaf, numbers, k);
             float nearest = 3e38f;
             for (const std::uint32_t s : leaf.samples) {
                 float d2 = 0;
-                for (size_t d = 0; d < dimensions(); ++d)
-                    d2 += (at_[d][s] - p[d]) * (at_[d][s] - p[d]);
+                const float* at = &at_[s * dimensions()];
+                for (size_t d = 0; d < dimensions(); ++d) d2 += (at[d] - p[d]) * (at[d] - p[d]);
                 nearest = std::min(nearest, d2);
             }
             if (nearest > farthest) farthest = nearest, best = p;
@@ -214,39 +230,43 @@ size_t Tree::request(size_t most) {
 
 void Tree::insert(std::span<const float> rgb) {
     const auto first = std::uint32_t(samples());
-    for (size_t d = 0; d < dimensions(); ++d)
-        for (const float x : requested_[d]) at_[d].push_back(x * settings_.extent[d]);
+    for (size_t i = 0; i < chosen_.size(); ++i)
+        for (size_t d = 0; d < dimensions(); ++d)
+            at_.push_back(requested_[d][i] * settings_.extent[d]);
     rgb_.insert(rgb_.end(), rgb.begin(), rgb.end());
     for (size_t i = 0; i < chosen_.size(); ++i) add_to(chosen_[i], first + std::uint32_t(i));
 }
 
 void Tree::add_to(size_t l, std::uint32_t sample) {
     leaves_[l].samples.push_back(sample);
-    if (leaves_[l].samples.size() <= settings_.capacity || !cut(l)) measure(leaves_[l]);
-    leaves_[l].rests = leaves_[l].samples.size() >= std::max(most_in_small, settings_.capacity + 1);
+    if (leaves_[l].samples.size() <= settings_.capacity || !cut(l)) measure(l);
+    rests_[l] = leaves_[l].samples.size() >= std::max(most_in_small, settings_.capacity + 1);
 }
 
 // Across the longest side, between the samples on both sides of the middle; the first half of them
 // keeps the leaf's index. Sides of less than 1/64 px of the picture, or 1/4096 of another axis, are
 // not cut, nor are equal numbers.
 bool Tree::cut(size_t l) {
-    std::vector<size_t> axes(dimensions());
-    std::iota(axes.begin(), axes.end(), size_t(0));
+    std::array<size_t, most_axes> axes{};
     const auto side = [&](size_t d) { return leaves_[l].hi[d] - leaves_[l].lo[d]; };
-    std::sort(axes.begin(), axes.end(),
-              [&](size_t a, size_t b) { return side(a) != side(b) ? side(a) > side(b) : a > b; });
+    for (size_t d = 0; d < dimensions(); ++d) {
+        size_t k = d;
+        for (; k > 0 && side(d) >= side(axes[k - 1]); --k) axes[k] = axes[k - 1];
+        axes[k] = d;
+    }
     const size_t n = leaves_[l].samples.size();
     std::array<std::uint32_t, most_samples> memory;
     const std::span<std::uint32_t> sorted = std::span(memory).first(n);
-    for (const size_t d : axes) {
+    for (size_t k = 0; k < dimensions(); ++k) {
+        const size_t d = axes[k];
         const float least = d < 2 ? 1.0f / 64 : settings_.extent[d] / 4096;
         if (side(d) < 2 * least) continue;
         std::copy_n(leaves_[l].samples.begin(), n, sorted.begin());
         std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return at_[d][a] != at_[d][b] ? at_[d][a] < at_[d][b] : a < b;
+            return at(d, a) != at(d, b) ? at(d, a) < at(d, b) : a < b;
         });
         const size_t left = sorted.size() / 2;
-        const float below = at_[d][sorted[left - 1]], above = at_[d][sorted[left]];
+        const float below = at(d, sorted[left - 1]), above = at(d, sorted[left]);
         const float plane = 0.5f * (below + above);
         if (!(plane > below) || plane - leaves_[l].lo[d] < least ||
             leaves_[l].hi[d] - plane < least)
@@ -258,20 +278,23 @@ bool Tree::cut(size_t l) {
         other.samples.assign(sorted.begin() + std::ptrdiff_t(left), sorted.end());
         other.key = mix(leaves_[l].key ^ 2);
         leaves_[l].key = mix(leaves_[l].key ^ 1);
-        measure(other);
-        measure(leaves_[l]);
         leaves_.push_back(std::move(other));
+        errors_.push_back(0);
+        rests_.push_back(false);
+        measure(l);
+        measure(leaves_.size() - 1);
         return true;
     }
     return false;
 }
 
-void Tree::measure(Leaf& leaf) {
+void Tree::measure(size_t l) {
+    const Leaf& leaf = leaves_[l];
     std::array<float, 3 * most_samples> rgb;
     size_t n = 0;
     for (const std::uint32_t s : leaf.samples)
         for (size_t c = 0; c < 3; ++c) rgb[n++] = rgb_[3 * size_t(s) + c];
-    leaf.error = leaf_error(std::span(rgb).first(n), volume(leaf), settings_.contrast);
+    errors_[l] = leaf_error(std::span(rgb).first(n), volume(leaf), settings_.contrast);
 }
 
 }  // namespace weft::adaptive

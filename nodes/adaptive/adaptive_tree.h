@@ -39,6 +39,8 @@ class Tree {
     size_t leaves() const { return leaves_.size(); }
     size_t samples() const { return rgb_.size() / 3; }
     size_t dimensions() const { return settings_.extent.size(); }
+    // Of leaves: volume times contrast.
+    std::span<const double> errors() const { return errors_; }
     double largest_error() const;
     double total_error() const;
 
@@ -50,15 +52,13 @@ class Tree {
     void insert(std::span<const float> rgb);
 
     // What was sampled so far, in the order of requests.
-    std::span<const float> at(size_t axis) const { return at_[axis]; }  // px
+    float at(size_t axis, size_t sample) const { return at_[sample * dimensions() + axis]; }  // px
     std::span<const float> rgb() const { return rgb_; }
 
     struct Leaf {
         std::array<float, most_axes> lo, hi;  // px
         std::uint64_t key = 0;                // of its path from its initial cell
-        double error = 0;
         std::vector<std::uint32_t> samples;
-        bool rests = false;  // too small to be cut, and full
     };
     const Leaf& leaf(size_t i) const { return leaves_[i]; }
     double volume(const Leaf& leaf) const;
@@ -67,13 +67,15 @@ class Tree {
     std::vector<std::uint32_t> chosen_leaves(size_t most) const;
     void add_to(size_t leaf, std::uint32_t sample);
     bool cut(size_t leaf);
-    void measure(Leaf& leaf);
+    void measure(size_t leaf);
 
     TreeSettings settings_;
     std::vector<Leaf> leaves_;
+    std::vector<double> errors_;                 // of leaves: read together, round by round
+    std::vector<char> rests_;                    // leaves too small to be cut, and full
     std::vector<std::uint32_t> chosen_;          // leaves of the requested places
     std::vector<std::vector<float>> requested_;  // [0, 1]
-    std::vector<std::vector<float>> at_;         // px
+    std::vector<float> at_;                      // px, all axes of a sample together
     std::vector<float> rgb_;
     std::uint64_t round_ = 0;
 };

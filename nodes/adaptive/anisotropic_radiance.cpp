@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adaptive/with_axes.h"
+
 namespace weft::adaptive {
 
 // False where samples farther than the square root of `within2` would have to be known.
@@ -17,21 +19,23 @@ bool AnisotropicRadiance::nearest(const float* place, float within2, Scratch& sc
 
 // A weight is 0 where the fourth is as near, so that a sample comes in without a step. What all say
 // alike stays as it is, to the bit. Where no sample counts, far from all, the nearest one does.
-void AnisotropicRadiance::mix(const float* place, Scratch& scratch, float* to) const {
-    const Nearest nearest =
-        WEFT_PICK(least_distances)(scratch.near, place[0], place[1], scratch.distances);
-    if (nearest.size == 0) {
+void AnisotropicRadiance::mix(const float* place, size_t i, Scratch& scratch, float* to) const {
+    const NearestSamples& nearest = scratch.nearest;
+    std::array<float, NearestSamples::most> distance;
+    size_t size = 0;
+    for (; size < distance.size() && nearest.distance2[size][i] < NearestSamples::none; ++size)
+        distance[size] = std::sqrt(nearest.distance2[size][i]);
+    if (size == 0) {
         metrics_.tree->nearest(place, 1, scratch.found);
         radiance(scratch.found[0].place, place, to);
         return;
     }
-    const auto distance = [&](int k) { return std::sqrt(nearest.distance2[size_t(k)]); };
-    const float far = nearest.size > 3 ? distance(3) : 2 * distance(nearest.size - 1);
+    const float far = size > 3 ? distance[3] : 2 * distance[size - 1];
     float sum[3] = {}, first[3] = {}, weights = 0;
-    for (int k = 0; k < std::min(3, nearest.size); ++k) {
-        const float weight = far > 0 ? 1 - distance(k) / far : 1;
+    for (size_t k = 0; k < std::min(size_t(3), size); ++k) {
+        const float weight = far > 0 ? 1 - distance[k] / far : 1;
         float value[3];
-        radiance(scratch.near.place[size_t(nearest.near[size_t(k)])], place, value);
+        radiance(scratch.counting.place[nearest.sample[k][i]], place, value);
         for (size_t c = 0; c < 3; ++c) {
             if (k == 0) first[c] = value[c];
             sum[c] += weight * (value[c] - first[c]);
@@ -43,16 +47,19 @@ void AnisotropicRadiance::mix(const float* place, Scratch& scratch, float* to) c
 
 // What a sample says of a place.
 void AnisotropicRadiance::radiance(size_t in_tree, const float* place, float* to) const {
-    const size_t axes = metrics_.dimensions();
     std::copy_n(&rgb_[3 * size_t(metrics_.tree->order()[in_tree])], 3, to);
     if (blend_ != Blend::linear || metrics_.gradient.empty()) return;
-    const float* gradient = &metrics_.gradient[3 * axes * in_tree];
-    std::array<float, most_axes> off{};
-    for (size_t d = 0; d < axes; ++d) off[d] = place[d] - metrics_.tree->at(d)[in_tree];
-    for (size_t c = 0; c < 3; ++c) {
-        for (size_t d = 0; d < axes; ++d) to[c] += *gradient++ * off[d];
-        to[c] = std::clamp(to[c], metrics_.least[3 * in_tree + c], metrics_.most[3 * in_tree + c]);
-    }
+    with_axes(metrics_.dimensions(), [&](auto axes) {
+        constexpr size_t n = axes.value;
+        const float* gradient = &metrics_.gradient[3 * n * in_tree];
+        float off[n];
+        for (size_t d = 0; d < n; ++d) off[d] = place[d] - metrics_.tree->at(d)[in_tree];
+        for (size_t c = 0; c < 3; ++c) {
+            for (size_t d = 0; d < n; ++d) to[c] += *gradient++ * off[d];
+            to[c] =
+                std::clamp(to[c], metrics_.least[3 * in_tree + c], metrics_.most[3 * in_tree + c]);
+        }
+    });
 }
 
 }  // namespace weft::adaptive

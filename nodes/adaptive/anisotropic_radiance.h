@@ -2,6 +2,8 @@
 // Source: Hachisuka et al. 2008, Sec. 5 (the sample of least distance decides).  Departure: three
 // samples share, and each goes on by its gradient.
 #pragma once
+#include <algorithm>
+
 #include "adaptive/near_samples.h"
 
 namespace weft::adaptive {
@@ -23,38 +25,48 @@ class AnisotropicRadiance {
 
     // Keeps its reach from call to call, which changes no bit.
     struct Scratch {
+        NearbySamples nearby;
+        CountingSamples counting;
+        NearestSamples nearest;
         NearSamples near;
         LeastDistance distances;
         std::vector<PointTree::Near> found;
         float reach = 1;
     };
-    // to(i) takes three numbers for place i: (x[i], y[i]) px and `other` px from index 2 on. Places
-    // of one call lie close together.
+    // Looks for what may count between lo and hi, px on all axes; at() asks for places there.
+    void prepare(const float* lo, const float* hi, Scratch& scratch) const {
+        if (blend_ != Blend::nearest) gather(metrics_, lo, hi, scratch.nearby);
+    }
+    // to(i) takes three numbers for place i. The closer places lie together, the sooner it is done;
+    // those of blend nearest differ in x and y alone.
     template <class To>
-    void at(std::span<const float> x, std::span<const float> y, const float* other,
-            Scratch& scratch, To&& to) const {
-        Block block{3e38f, 3e38f, -3e38f, -3e38f};
-        for (size_t i = 0; i < x.size(); ++i)
-            block = {std::min(block.x0, x[i]), std::min(block.y0, y[i]), std::max(block.x1, x[i]),
-                     std::max(block.y1, y[i])};
-        std::array<float, most_axes> place{};
-        for (size_t d = 2; d < metrics_.dimensions(); ++d) place[d] = other[d];
+    void at(Places& places, Scratch& scratch, To&& to) const {
+        if (places.size == 0) return;
+        places.pad();
+        std::array<float, most_axes> lo{}, hi{}, place{};
+        places.bounds(lo.data(), hi.data());
+        const auto take = [&](size_t i) {
+            for (size_t d = 0; d < places.axes; ++d) place[d] = places.at[d][i];
+        };
         if (blend_ != Blend::nearest) {
-            gather(metrics_, block, other, scratch.near);
-            for (size_t i = 0; i < x.size(); ++i) {
-                place[0] = x[i], place[1] = y[i];
-                mix(place.data(), scratch, to(i));
+            WEFT_PICK(find_counting)
+            (scratch.nearby, metrics_.upper.data(), lo.data(), hi.data(), scratch.counting);
+            WEFT_PICK(nearest_by_metric)(scratch.counting, places, scratch.nearest);
+            for (size_t i = 0; i < places.size; ++i) {
+                take(i);
+                mix(place.data(), i, scratch, to(i));
             }
             return;
         }
-        bool all = gather(metrics_, block, other, scratch.reach, scratch.near), grown = false;
-        for (size_t i = 0; i < x.size(); ++i) {
-            place[0] = x[i], place[1] = y[i];
+        const Block block{lo[0], lo[1], hi[0], hi[1]};
+        bool all = gather(metrics_, block, lo.data(), scratch.reach, scratch.near), grown = false;
+        for (size_t i = 0; i < places.size; ++i) {
+            take(i);
             while (!nearest(place.data(), all ? 1e29f : scratch.reach * scratch.reach, scratch,
                             to(i))) {
                 scratch.reach *= 1.25f;
                 grown = true;
-                all = gather(metrics_, block, other, scratch.reach, scratch.near);
+                all = gather(metrics_, block, lo.data(), scratch.reach, scratch.near);
             }
         }
         if (!grown) scratch.reach *= 0.95f;
@@ -62,7 +74,7 @@ class AnisotropicRadiance {
 
   private:
     bool nearest(const float* place, float within2, Scratch& scratch, float* to) const;
-    void mix(const float* place, Scratch& scratch, float* to) const;
+    void mix(const float* place, size_t i, Scratch& scratch, float* to) const;
     void radiance(size_t in_tree, const float* place, float* to) const;
 
     const Metrics& metrics_;

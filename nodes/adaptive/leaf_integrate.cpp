@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "adaptive/anisotropic_radiance.h"
 #include "adaptive/leaf_tree.h"
@@ -23,6 +24,8 @@ using namespace adaptive;
 
 enum class Order { constant, linear };
 
+constexpr double points_of_pixel = 64;
+
 struct LeafIntegrate {
     Order order = Order::linear;
 
@@ -32,6 +35,8 @@ struct LeafIntegrate {
                 "it, by the volume that they share")
             .in<Samples>("samples", "of adaptive-samples")
             .in<LeafTree>("leaves", "its boxes")
+            .in<Metrics>("tensors", "of structure-tensors; of order linear, else found here",
+                         Need::optional)
             .out<Image>("image", "R G B")
             .choice("order", &LeafIntegrate::order, {"constant", "linear"},
                     {.about = "whether radiance changes within a box, as the samples in and around "
@@ -49,8 +54,16 @@ struct LeafIntegrate {
         const size_t axes = leaves.dimensions();
         Image image(leaves.width, leaves.height, 3);
         image.color_space = samples.color_space;
-        Metrics metrics;
-        if (order == Order::linear) metrics = metrics_of(samples, leaves, ctx);
+        Metrics own;
+        const Metrics* metrics = nullptr;
+        if (order == Order::linear) {
+            samples.require("leaf-integrate", {"rgb"});
+            metrics = in.find<Metrics>("tensors");
+            if (!metrics) own = metrics_of(samples, leaves, ctx), metrics = &own;
+            if (metrics->size() != samples.size() || metrics->space.axes != leaves.axes)
+                ctx.fail(
+                    "'tensors' are of other samples or axes; link 'samples' and 'leaves' to both");
+        }
         // The leaves of each band of rows, in their order.
         constexpr int band = 16;
         std::vector<std::vector<std::uint32_t>> of_band(size_t((leaves.height + band - 1) / band));
@@ -70,7 +83,6 @@ struct LeafIntegrate {
 
   private:
     static Metrics metrics_of(const Samples& samples, const LeafTree& leaves, Context& ctx) {
-        samples.require("leaf-integrate", {"rgb"});
         Metrics metrics = metrics_over(samples, &leaves, "leaf-integrate");
         metrics.vary(samples.rgb(), TensorSettings{}, ctx);
         return metrics;
@@ -80,14 +92,15 @@ struct LeafIntegrate {
         size_t pixel;
         float x0, y0, x1, y1;
     };
-    static void add_band(const LeafTree& leaves, const Samples& samples, const Metrics& metrics,
+    static void add_band(const LeafTree& leaves, const Samples& samples, const Metrics* metrics,
                          const std::vector<std::uint32_t>& which, int y0, int y1, Image& image) {
         const size_t axes = leaves.dimensions(), width = size_t(leaves.width);
         std::vector<double> sums(4 * width * size_t(y1 - y0));  // r g b volume
         std::vector<Piece> pieces;
         std::vector<float> rgb;
         PointsOfBox points(leaves, samples);
-        const AnisotropicRadiance radiance(metrics, samples.rgb().data(), 1, Blend::linear);
+        std::optional<AnisotropicRadiance> radiance;
+        if (metrics) radiance.emplace(*metrics, samples.rgb().data(), 1, Blend::linear);
         AnisotropicRadiance::Scratch scratch;
         for (const std::uint32_t l : which) {
             const float *lo = &leaves.lo[l * axes], *hi = &leaves.hi[l * axes];
@@ -100,11 +113,11 @@ struct LeafIntegrate {
                                       std::max(lo[1], float(y)), std::min(hi[0], float(x + 1)),
                                       std::min(hi[1], float(y + 1))});
             rgb.assign(3 * pieces.size(), 0.0f);
-            if (metrics.size() == 0)
+            if (!radiance)
                 for (size_t i = 0; i < pieces.size(); ++i)
                     std::copy_n(&leaves.mean[3 * l], 3, &rgb[3 * i]);
             else
-                points.mean(l, pieces, radiance, scratch, rgb);
+                points.mean(l, pieces, *radiance, scratch, rgb);
             for (size_t i = 0; i < pieces.size(); ++i) {
                 const Piece& p = pieces[i];
                 const double share =
@@ -122,8 +135,9 @@ struct LeafIntegrate {
             }
     }
 
-    // Points of a box over each of its pieces: half a pixel apart along the other axes, 16 at most,
-    // by multiples of powers of the root of x^(D + 1) = x + 1 (Roberts 2018).
+    // Points of a box over each of its pieces: so many as its part of all the other axes is of
+    // `points_of_pixel`, 16 at most, by multiples of powers of the root of x^(D + 1) = x + 1
+    // (Roberts 2018).
     class PointsOfBox {
       public:
         PointsOfBox(const LeafTree& leaves, const Samples& samples)
@@ -146,12 +160,11 @@ struct LeafIntegrate {
                   AnisotropicRadiance::Scratch& scratch, std::vector<float>& rgb) {
             const size_t axes = leaves_.dimensions();
             const float *lo = &leaves_.lo[l * axes], *hi = &leaves_.hi[l * axes];
-            double wanted = 1;
-            for (size_t d = 2; d < axes; ++d) wanted *= std::ceil(2 * double(hi[d] - lo[d]));
-            const auto n = size_t(std::clamp(wanted, 1.0, 16.0));
-            x_.resize(pieces.size()), y_.resize(pieces.size());
-            found_.resize(3 * pieces.size());
-            std::vector<float>& first = first_;
+            double wanted = points_of_pixel;
+            for (size_t d = 2; d < axes; ++d)
+                wanted *= double(hi[d] - lo[d]) / double(leaves_.extent[d]);
+            const auto n = size_t(std::clamp(std::ceil(wanted), 1.0, 16.0));
+            places_.start(axes, n * pieces.size());
             for (size_t k = 0; k < n; ++k) {
                 std::array<float, most_axes> place{};
                 const auto number = [&](size_t d) {
@@ -164,17 +177,27 @@ struct LeafIntegrate {
                     place[d] = lo[d] + (hi[d] - lo[d]) * along;
                 }
                 to_samples(place.data());
+                const float x = number(0), y = number(1);
                 for (size_t i = 0; i < pieces.size(); ++i) {
-                    x_[i] = pieces[i].x0 + (pieces[i].x1 - pieces[i].x0) * number(0);
-                    y_[i] = pieces[i].y0 + (pieces[i].y1 - pieces[i].y0) * number(1);
+                    const Piece& piece = pieces[i];
+                    place[0] = piece.x0 + (piece.x1 - piece.x0) * x;
+                    place[1] = piece.y0 + (piece.y1 - piece.y0) * y;
+                    for (size_t d = 0; d < axes; ++d) places_.at[d][n * i + k] = place[d];
                 }
-                radiance.at(x_, y_, place.data(), scratch,
-                            [&](size_t i) { return &found_[3 * i]; });
-                // Differences to the first: what is the same everywhere stays so to the bit.
-                if (k == 0) first = found_;
-                for (size_t i = 0; i < rgb.size(); ++i) rgb[i] += (found_[i] - first[i]) / float(n);
             }
-            for (size_t i = 0; i < rgb.size(); ++i) rgb[i] += first[i];
+            found_.resize(3 * places_.size);
+            std::array<float, most_axes> from{}, to{};
+            places_.bounds(from.data(), to.data());
+            radiance.prepare(from.data(), to.data(), scratch);
+            radiance.at(places_, scratch, [&](size_t i) { return &found_[3 * i]; });
+            // Differences to the first: what is the same everywhere stays so to the bit.
+            for (size_t i = 0; i < pieces.size(); ++i)
+                for (size_t c = 0; c < 3; ++c) {
+                    const float* of = &found_[3 * n * i + c];
+                    float more = 0;
+                    for (size_t k = 1; k < n; ++k) more += (of[3 * k] - of[0]) / float(n);
+                    rgb[3 * i + c] = of[0] + more;
+                }
         }
 
       private:
@@ -195,11 +218,12 @@ struct LeafIntegrate {
         ShutterCurve shutter_;
         std::array<double, most_axes> steps_{};
         size_t u_ = 0, v_ = 0, t_ = 0;  // axes; 0: there is none
-        std::vector<float> x_, y_, found_, first_;
+        Places places_;
+        std::vector<float> found_;
     };
 };
 
-WEFT_NODE(LeafIntegrate, "leaf-integrate", 3)
+WEFT_NODE(LeafIntegrate, "leaf-integrate", 4)
 
 }  // namespace
 }  // namespace weft

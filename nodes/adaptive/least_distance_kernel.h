@@ -18,12 +18,10 @@ namespace weft::adaptive {
 // off2 in scaled space. Arrays are padded to a multiple of 16 with samples that are nowhere.
 struct NearSamples {
     std::vector<float> x, y, off2, xx, xy, yy, bx, by, rest;
-    std::vector<float> support2;       // how far each counts, squared, where that is its own affair
     std::vector<std::uint32_t> place;  // in the tree's order, ascending
     size_t size = 0;                   // without padding
     void clear();
     void pad();
-    void pad_supported();  // of those that count within their support2
 };
 
 // Scratch: squared distances, and the metric's as whole numbers, which are in the same order.
@@ -32,36 +30,15 @@ struct LeastDistance {
     std::vector<std::int32_t> by_metric;
 };
 
-// Samples in the tree's order, from which the near ones are taken.
-struct SampleRun {
-    size_t axes;
-    std::array<const float*, most_axes> at;  // px
-    const float* upper;                      // metrics, D (D + 1) / 2 a sample
-    const float* support2;
-};
-
-// The nearest ones, and how far by their metrics, squared; nearest first.
-struct Nearest {
-    static constexpr int most = 4;
-    std::int32_t size = 0;
-    std::array<std::int32_t, most> near{};
-    std::array<float, most> distance2{};
-};
-
 inline constexpr std::int32_t not_known = -1;
 
 // Of the `candidates` samples nearest to (x, y) in scaled space, the one of least distance by its
 // own metric: its index in `near`. not_known where fewer of them lie within the square root of
 // `reach2`, beyond which samples may be missing in `near`. Of equals the first.
-//   least_distances  the four of least distance by metric, of those that count at (x, y)
-//   append_near      takes in, of samples [begin, end), what counts between sides (x0 y0 x1 y1)
 #define WEFT_LEAST_DISTANCE(isa)                                                                \
     namespace isa {                                                                             \
     std::int32_t least_distance(const NearSamples& near, float x, float y,                      \
                                 std::int32_t candidates, float reach2, LeastDistance& scratch); \
-    Nearest least_distances(const NearSamples& near, float x, float y, LeastDistance& scratch); \
-    void append_near(const SampleRun& run, size_t begin, size_t end, const float* sides,        \
-                     const float* other, NearSamples& near);                                    \
     }
 WEFT_LEAST_DISTANCE(v2)
 WEFT_LEAST_DISTANCE(v3)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "adaptive/with_axes.h"
+
 namespace weft::adaptive {
 namespace {
 
@@ -14,7 +16,6 @@ void NearSamples::clear() {
     for (auto* values : {&x, &y, &off2, &xx, &xy, &yy, &bx, &by, &rest}) values->clear();
     place.clear();
     size = 0;
-    support2.clear();
 }
 
 void NearSamples::pad() {
@@ -23,15 +24,6 @@ void NearSamples::pad() {
     for (auto* values : {&x, &y, &xx, &xy, &yy, &bx, &by}) values->resize(padded, 0.0f);
     off2.resize(padded, nowhere);
     rest.resize(padded, nowhere);
-}
-
-void NearSamples::pad_supported() {
-    const size_t padded = (size + vector_width - 1) / vector_width * vector_width;
-    for (auto* values : {&x, &y, &off2, &xx, &xy, &yy, &bx, &by, &rest, &support2})
-        if (values->size() < padded) values->resize(padded);
-    std::fill(support2.begin() + std::ptrdiff_t(size), support2.begin() + std::ptrdiff_t(padded),
-              -1.0f);
-    std::fill(off2.begin() + std::ptrdiff_t(size), off2.begin() + std::ptrdiff_t(padded), 0.0f);
 }
 
 bool gather(const Metrics& metrics, const Block& block, const float* other, float reach,
@@ -90,29 +82,38 @@ bool gather(const Metrics& metrics, const Block& block, const float* other, floa
     return near.size == tree.size();
 }
 
-void gather(const Metrics& metrics, const Block& block, const float* other, NearSamples& near) {
+void gather(const Metrics& metrics, const float* lo, const float* hi, NearbySamples& nearby) {
     const Supports& supports = metrics.supports;
     const PointTree& tree = *metrics.tree;
-    const size_t axes = tree.dimensions();
-    SampleRun run{axes, {}, metrics.upper.data(), supports.squared.data()};
-    for (size_t d = 0; d < axes; ++d) run.at[d] = tree.at(d).data();
-    const std::array<float, 4> sides{block.x0, block.y0, block.x1, block.y1};
-    near.size = 0;
-    tree.visit(
-        [&](const float* lo, const float* hi, size_t node) {
-            const float dx = std::max({lo[0] - block.x1, block.x0 - hi[0], 0.0f}),
-                        dy = std::max({lo[1] - block.y1, block.y0 - hi[1], 0.0f});
-            float d2 = dx * dx + dy * dy;
-            for (size_t d = 2; d < axes; ++d) {
-                const float off = std::max({lo[d] - other[d], other[d] - hi[d], 0.0f});
-                d2 += off * off;
-            }
-            return d2 <= supports.of_node[node];
-        },
-        [&](size_t begin, size_t end) {
-            WEFT_PICK(append_near)(run, begin, end, sides.data(), other, near);
-        });
-    near.pad_supported();
+    nearby.axes = tree.dimensions();
+    nearby.support2.clear(), nearby.place.clear();
+    for (size_t d = 0; d < nearby.axes; ++d) nearby.at[d].clear();
+    const auto append = [&](std::span<const float> from, size_t begin, size_t end,
+                            std::vector<float>& to) {
+        to.insert(to.end(), from.begin() + std::ptrdiff_t(begin),
+                  from.begin() + std::ptrdiff_t(end));
+    };
+    with_axes(nearby.axes, [&](auto axes) {
+        tree.visit(
+            [&](const float* from, const float* to, size_t node) {
+                float d2 = 0;
+                for (int d = 0; d < axes.value; ++d) {
+                    const float off = std::max(std::max(from[d] - hi[d], lo[d] - to[d]), 0.0f);
+                    d2 += off * off;
+                }
+                // Rounding must not leave out what the kernel would take in.
+                return d2 <= supports.of_node[node] * 1.00001f;
+            },
+            [&](size_t begin, size_t end) {
+                for (size_t d = 0; d < nearby.axes; ++d)
+                    append(tree.at(d), begin, end, nearby.at[d]);
+                append(supports.squared, begin, end, nearby.support2);
+                for (size_t i = begin; i < end; ++i) nearby.place.push_back(std::uint32_t(i));
+            });
+    });
+    nearby.size = nearby.place.size();
+    for (size_t d = 0; d < nearby.axes; ++d) nearby.at[d].resize(nearby.size + vector_width);
+    nearby.support2.resize(nearby.size + vector_width, -1.0f);
 }
 
 }  // namespace weft::adaptive

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "adaptive/with_axes.h"
 #include "filters/simd.h"
 
 namespace weft::adaptive::WEFT_ISA {
@@ -170,27 +171,6 @@ NeighbourSums sum(const SamplesAround& around, const float* centre,
     for (size_t i = 0; i < axes * (axes + 1) / 2; ++i) sums.dd[i] = all(dd[i]);
     for (size_t i = 0; i < 3 * axes; ++i) sums.df[i] = all(df[i]);
     return sums;
-}
-
-// Calls work<axes>().
-template <class Work>
-auto with_axes(size_t axes, Work&& work) {
-    switch (axes) {
-        case 2:
-            return work(std::integral_constant<int, 2>{});
-        case 3:
-            return work(std::integral_constant<int, 3>{});
-        case 4:
-            return work(std::integral_constant<int, 4>{});
-        case 5:
-            return work(std::integral_constant<int, 5>{});
-        case 6:
-            return work(std::integral_constant<int, 6>{});
-        case 7:
-            return work(std::integral_constant<int, 7>{});
-        default:
-            return work(std::integral_constant<int, 8>{});
-    }
 }
 
 }  // namespace

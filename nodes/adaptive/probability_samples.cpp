@@ -37,7 +37,7 @@ struct ProbabilitySamples : AdaptiveSettings {
     }
 };
 
-WEFT_NODE(ProbabilitySamples, "probability-samples", 1)
+WEFT_NODE(ProbabilitySamples, "probability-samples", 2)
 
 }  // namespace
 }  // namespace weft

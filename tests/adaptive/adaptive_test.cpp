@@ -1,12 +1,14 @@
 // Adaptive sampling against functions whose pictures and trees are known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 
 #include "adaptive/adaptive_tree.h"
 #include "adaptive/leaf_tree.h"
+#include "adaptive/metrics.h"
 #include "adaptive/sampler_function.h"
 #include "image/image.h"
 #include "samples/samples.h"
@@ -93,7 +95,7 @@ TEST(AdaptiveTree, ABoxIsCutBetweenItsSecondAndThirdSampleAcrossItsLongestSide) 
     EXPECT_EQ(kept.hi[2], added.lo[2]);
     std::vector<float> along;
     for (const auto* leaf : {&kept, &added})
-        for (const std::uint32_t s : leaf->samples) along.push_back(tree.at(2)[s]);
+        for (const std::uint32_t s : leaf->samples) along.push_back(tree.at(2, s));
     std::sort(along.begin(), along.end());
     EXPECT_FLOAT_EQ(kept.hi[2], 0.5f * (along[1] + along[2]));
 }
@@ -131,6 +133,17 @@ INSTANTIATE_TEST_SUITE_P(All, OfFunction, testing::Values("constant", "linear", 
 TEST(AdaptiveSamples, OfAConstantIsThatConstant) {
     const Adaptive made = adaptive(sampler_of("constant", 20, 16), 4);
     for (const float value : made.picture.pixels()) EXPECT_EQ(value, 0.5f);
+}
+
+TEST(LeafIntegrate, TakesTensorsThatAreThereAlready) {
+    const Adaptive made = adaptive(sampler_of("disc"), 4), other = adaptive(sampler_of("disc"), 3);
+    const auto picture_by = [&](const Adaptive& of) {
+        const Metrics tensors = RunNode("structure-tensors").in("samples", of.samples).in("leaves", of.leaves).out<Metrics>("tensors");
+        return RunNode("leaf-integrate").in("samples", made.samples).in("leaves", made.leaves).in("tensors", tensors).out<Image>("image");
+    };
+    const Image picture = picture_by(made);
+    EXPECT_TRUE(std::ranges::equal(picture.pixels(), made.picture.pixels()));
+    EXPECT_NE(error_of([&] { picture_by(other); }).find("other samples"), std::string::npos);
 }
 
 TEST(AdaptiveSamples, OfARampIsTheRampWithinABox) {
@@ -187,7 +200,7 @@ TEST(AdaptiveSamples, AreTheSameHoweverLargeTheBudgetIsUntilTheSmallerOneEnds) {
             sampler.evaluate({axes}, 0, rgb);
             tree.insert(rgb);
         }
-        for (size_t i = 0; i < tree.samples(); ++i) places.push_back(tree.at(0)[i]);
+        for (size_t i = 0; i < tree.samples(); ++i) places.push_back(tree.at(0, i));
         return places;
     };
     const auto small = sampled(1500), large = sampled(3000);

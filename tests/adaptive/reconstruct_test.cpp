@@ -233,6 +233,10 @@ TEST(AnisotropicReconstruct, TakesTheLeastDistanceAmongTheNearest) {
         const auto queries = random_points(60, axes, 5);
         NearSamples near;
         LeastDistance scratch;
+        NearbySamples nearby;
+        CountingSamples counting;
+        Places places;
+        NearestSamples nearest;
         for (size_t q = 0; q < 60; ++q) {
             std::vector<float> p;
             for (const auto& axis : queries) p.push_back(axis[q]);
@@ -260,11 +264,27 @@ TEST(AnisotropicReconstruct, TakesTheLeastDistanceAmongTheNearest) {
                 if (off2 <= double(by.supports.squared[j])) ordered.emplace_back(sum, j);
             }
             std::sort(ordered.begin(), ordered.end());
+            // Among other places, of a box of its own or a larger one.
             for (const float side : {0.0f, 2.0f}) {
-                gather(metrics, {p[0] - side, p[1] - side, p[0] + side, p[1] + side}, p.data(), near);
-                const Nearest four = WEFT_PICK(least_distances)(near, p[0], p[1], scratch);
-                ASSERT_EQ(size_t(four.size), std::min<size_t>(4, ordered.size()));
-                for (size_t k = 0; k < size_t(four.size); ++k) EXPECT_EQ(near.place[size_t(four.near[k])], ordered[k].second);
+                std::vector<float> lo = p, hi = p;
+                for (float& x : lo) x -= side;
+                for (float& x : hi) x += side;
+                gather(metrics, lo.data(), hi.data(), nearby);
+                WEFT_PICK(find_counting)(nearby, metrics.upper.data(), lo.data(), hi.data(), counting);
+                places.start(axes, 19);
+                for (size_t d = 0; d < axes; ++d) {
+                    std::fill(places.at[d].begin(), places.at[d].end(), lo[d]);
+                    places.at[d][q % 19] = p[d];
+                }
+                places.pad();
+                WEFT_PICK(nearest_by_metric)(counting, places, nearest);
+                for (size_t k = 0; k < NearestSamples::most; ++k) {
+                    const float distance2 = nearest.distance2[k][q % 19];
+                    ASSERT_EQ(distance2 < NearestSamples::none, k < ordered.size()) << axes;
+                    if (k < ordered.size()) {
+                        EXPECT_EQ(counting.place[nearest.sample[k][q % 19]], ordered[k].second);
+                    }
+                }
             }
             // However far it looks, from all there are down to where too few are left.
             for (const float reach : {100.0f, std::sqrt(found.back().distance2) * 1.001f, std::sqrt(found.back().distance2) * 0.9f}) {
