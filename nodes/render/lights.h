@@ -8,6 +8,7 @@
 // A point of a quad is l = 2 (a, b) - 1 of its half extents, of a disc by the concentric map, of a
 // sphere uniform in the cone that is seen; of a mesh a triangle by its emission, uniform in it.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "render/environment.h"
@@ -46,6 +47,10 @@ class Lights {
     // What leaves a visible light's object at its bright side.
     Vec3 radiance(std::uint32_t object) const { return lights_[light_of_[object]].radiance; }
     bool is_light(std::uint32_t object) const { return light_of_[object] != no_object; }
+    // Of a light that is an emitting mesh: its object, and what part of its light the triangles up
+    // to each send out (one more than there are triangles, from 0 to 1). no_object: not a mesh.
+    std::uint32_t mesh_object(size_t light) const { return lights_[light].object; }
+    std::span<const float> triangle_sums(size_t light) const { return lights_[light].sums; }
 
   private:
     enum class Kind { quad, disc, sphere, point, spot, directional, mesh, environment, off };

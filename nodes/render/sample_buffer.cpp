@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "render/surface.h"
+
 namespace weft::render {
 namespace {
 
@@ -11,9 +13,46 @@ Json numbers(Vec3 v) {
     return Json::list({double(v.x), double(v.y), double(v.z)});
 }
 
+constexpr size_t most_triangles = 4096;
+
+Json corners_of(const Object& object, float time) {
+    Json list = Json::list();
+    for (std::uint32_t t = 0; t < object.mesh->triangles.size(); ++t) {
+        Json one = Json::list();
+        for (const Vec2 at : {Vec2{0, 0}, Vec2{1, 0}, Vec2{0, 1}}) {
+            const Vec3 p = position_at(object, t, at.x, at.y, time);
+            for (const float c : {p.x, p.y, p.z}) one.items.emplace_back(double(c));
+        }
+        list.items.push_back(std::move(one));
+    }
+    return list;
+}
+
+Json mesh_meta(const PathTracer& tracer, size_t light) {
+    const Scene& scene = tracer.scene();
+    const Object& object = tracer.rays().objects()[tracer.lights().mesh_object(light)];
+    const Material& material = scene.materials[size_t(object.material)];
+    const std::string& own = scene.instances[size_t(object.instance)].name;
+    Json one = Json::object();
+    one.set("name", own.empty() ? object.mesh->name : own);
+    one.set("shape", "mesh");
+    one.set("radiance", numbers(material.emission));
+    one.set("two_sided", material.two_sided);
+    if (object.mesh->triangles.size() > most_triangles) return one;
+    one.set("triangles", corners_of(object, 0));
+    if (object.moving()) one.set("triangles_end", corners_of(object, 1));
+    const auto sums = tracer.lights().triangle_sums(light);
+    Json chances = Json::list();
+    for (size_t t = 0; t + 1 < sums.size(); ++t)
+        chances.items.emplace_back(double(sums[t + 1]) - double(sums[t]));
+    one.set("chances", std::move(chances));
+    return one;
+}
+
 }  // namespace
 
-Json lights_meta(const Scene& scene) {
+Json lights_meta(const PathTracer& tracer) {
+    const Scene& scene = tracer.scene();
     constexpr const char* shapes[] = {"quad", "disc", "sphere", "point", "spot", "directional"};
     Json list = Json::list();
     for (const Light& light : scene.lights) {
@@ -36,6 +75,9 @@ Json lights_meta(const Scene& scene) {
         one.set("radiance", numbers(light.radiance));
         list.items.push_back(std::move(one));
     }
+    for (size_t i = 0; i < tracer.lights().size(); ++i)
+        if (tracer.lights().mesh_object(i) != no_object)
+            list.items.push_back(mesh_meta(tracer, i));
     return list;
 }
 
@@ -60,7 +102,7 @@ Samples empty_samples(const PathTracer& tracer, const SamplePlan& plan) {
     }
     samples.meta.set("shutter_curve", std::move(curve));
     samples.meta.set("source", scene.source.empty() ? scene.name : scene.source);
-    samples.meta.set("lights", lights_meta(scene));
+    samples.meta.set("lights", lights_meta(tracer));
     samples.meta.set("camera", tracer.camera().meta());
     return samples;
 }

@@ -8,8 +8,10 @@ namespace weft::render {
 
 // Everything but the samples: size, lens, meta, channels that are empty.
 Samples empty_samples(const PathTracer& tracer, const SamplePlan& plan);
-// meta.lights
-Json lights_meta(const Scene& scene);
+// meta.lights: the scene's lights, then its emitting meshes, in the order of `light_index`. Of a mesh
+// with at most 4096 triangles where these are, at the shutter's opening and, if it moves, at its
+// close.
+Json lights_meta(const PathTracer& tracer);
 
 // The channels of a run of samples, in the order of a ChannelSet's list.
 struct ChannelArrays {

@@ -82,8 +82,8 @@ struct AxisAlignedWidth {
             ctx.fail(
                 fmt::format("least is {}, most is {}; expected least up to most", least, most));
 
-        const bool ball = view.shape == LightView::Shape::sphere;
-        const double ax = ball ? view.radius : view.ax, ay = ball ? view.radius : view.ay;
+        const bool solid = !view.same_points();
+        const double ax = solid ? view.radius : view.ax, ay = solid ? view.radius : view.ay;
         const double half = std::sqrt(ax * ay);
         // An oblong light is taken for a square one by measuring along each side in its own unit.
         const double unit_x = ax > 0 ? half / ax : 1, unit_y = ay > 0 ? half / ay : 1;

@@ -19,7 +19,8 @@ struct FitLightView {
             .param(
                 "light", &FitLightView::light,
                 {.about =
-                     "its name in meta.lights; empty: the first with an area, or else the first"})
+                     "its name in meta.lights, or its place there, from 0; empty: the first with an "
+                     "area, or else the first. A mesh that shines is called as its instance"})
             .param("focus", &FitLightView::focus,
                    {.unit = "scene",
                     .min = 0,

@@ -9,6 +9,7 @@
 
 #include "graph/error.h"
 #include "shadows/camera_samples.h"
+#include "shadows/light_mesh.h"
 
 namespace weft::shadows {
 namespace {
@@ -35,9 +36,6 @@ Point3 point_of(const Json& object, std::string_view key, const std::string& wha
     return {v[0], v[1], v[2]};
 }
 
-Point3 cross(Point3 a, Point3 b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 Point3 unit(Point3 a) {
     return a * (1 / std::sqrt(dot(a, a)));
 }
@@ -51,7 +49,7 @@ struct FoundLight {
 FoundLight find_light(const Samples& samples, const std::string& wanted) {
     const Json* lights = samples.meta.find("lights");
     std::vector<std::string> names;
-    FoundLight first{nullptr, 0, "", ""};
+    FoundLight first{nullptr, 0, "", ""}, numbered = first;
     bool first_has_area = false;
     for (size_t i = 0; lights && lights->is(Json::Kind::list) && i < lights->items.size(); ++i) {
         const Json& one = lights->items[i];
@@ -61,8 +59,10 @@ FoundLight find_light(const Samples& samples, const std::string& wanted) {
         };
         FoundLight light{&one, std::uint32_t(i), text("name"), text("shape")};
         names.push_back(light.name);
-        const bool area = light.shape == "quad" || light.shape == "disc" || light.shape == "sphere";
+        const bool area = light.shape == "quad" || light.shape == "disc" ||
+                          light.shape == "sphere" || light.shape == "mesh";
         if (!wanted.empty() && light.name == wanted) return light;
+        if (wanted == std::to_string(i)) numbered = light;
         if (light.shape == "directional" || (first.json && (first_has_area || !area))) continue;
         first = light;
         first_has_area = area;
@@ -70,6 +70,7 @@ FoundLight find_light(const Samples& samples, const std::string& wanted) {
     if (names.empty())
         fail(
             "no 'lights': shadows need a light; give the scene one, or name it in the file's meta");
+    if (numbered.json) return numbered;
     if (!wanted.empty())
         fail(fmt::format("no light '{}'; there are '{}'", wanted, fmt::join(names, "', '")));
     if (!first.json) fail("its lights are directional only; expected one at a distance");
@@ -93,6 +94,40 @@ Map3 light_frame(const FoundLight& light, const std::string& end, Point3 towards
     if (!(dot(back, back) > 1e-12 * dot(ex, ex) * dot(ey, ey)))
         fail(fmt::format("'ex' and 'ey' of {} span no plane", what));
     return {unit(ex), unit(ey), unit(back) * -1.0, origin};
+}
+
+// The triangles of a light that is a mesh, as render-samples writes them.
+WorldMesh world_mesh(const FoundLight& light) {
+    const std::string what = fmt::format("light '{}'", light.name);
+    const auto triangles = [&](const Json* list, std::string_view key) {
+        std::vector<WorldMesh::Corners> out;
+        for (const Json& one : list->items) {
+            const auto v = numbers(&one, 9, fmt::format("one of '{}' of {}", key, what));
+            out.push_back({Point3{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}});
+        }
+        return out;
+    };
+    const Json* open = light.json->find("triangles");
+    if (!open || !open->is(Json::Kind::list) || open->items.empty())
+        fail(
+            fmt::format("{} is a mesh without 'triangles': expected 9 numbers of each; "
+                        "render-samples writes up to 4096",
+                        what));
+    WorldMesh mesh;
+    mesh.open = triangles(open, "triangles");
+    const size_t n = mesh.open.size();
+    if (const Json* close = light.json->find("triangles_end");
+        close && close->is(Json::Kind::list)) {
+        mesh.close = triangles(close, "triangles_end");
+        if (mesh.close.size() != n)
+            fail(fmt::format("'triangles_end' of {} are {}; expected as many as 'triangles', {}",
+                             what, mesh.close.size(), n));
+    }
+    if (const Json* chances = light.json->find("chances"))
+        mesh.chances = numbers(chances, n, fmt::format("'chances' of {}", what));
+    const Json* sides = light.json->find("two_sided");
+    mesh.two_sided = sides && sides->is(Json::Kind::boolean) && sides->boolean;
+    return mesh;
 }
 
 Map3 pixel_to_world(const Samples& samples, const std::string& end) {
@@ -120,6 +155,28 @@ Map3 pixel_to_world(const Samples& samples, const std::string& end) {
     return inverse(to_pixel * to_camera);
 }
 
+// Sets where a light is, how it moves and how large it is.
+void place_light(const FoundLight& light, Point3 towards, LightView& view) {
+    const auto extents = numbers(light.json->find("half_extents"), 2,
+                                 fmt::format("'half_extents' of light '{}'", light.name));
+    if (extents[0] < 0 || extents[1] < 0)
+        fail(fmt::format("'half_extents' of light '{}' are {}, {}; expected 0 or more", light.name,
+                         extents[0], extents[1]));
+    view.ax = extents[0], view.ay = extents[1];
+    if (view.ax == 0 && view.ay == 0) view.shape = LightView::Shape::point;
+    view.radius = view.ax;
+    view.moves = light.json->find("origin_end") != nullptr;
+    for (const size_t end : {0, 1}) {
+        view.light_to_world[end] = light_frame(light, end && view.moves ? "_end" : "", towards);
+        view.world_to_light[end] = inverse(view.light_to_world[end]);
+    }
+}
+void place_mesh_light(const FoundLight& light, Point3 towards, LightView& view) {
+    const WorldMesh mesh = world_mesh(light);
+    view.moves = !mesh.close.empty();
+    place_mesh(mesh, towards, fmt::format("light '{}'", light.name), view);
+}
+
 // Receivers in front of the light, at their own times: some of them.
 struct Receivers {
     std::vector<double> x, y, w;  // X / w, Y / w, w
@@ -143,6 +200,34 @@ Receivers some_receivers(const LightView& view, const CameraSamples& from, size_
         out.w.push_back(p.z);
     }
     return out;
+}
+// Makes room on the plane for what receivers aside see of a ball or a mesh: its outline lies farther
+// out there.
+void widen(const Receivers& some, LightView& view) {
+    if (view.shape == LightView::Shape::sphere) {
+        double out = view.radius;
+        for (size_t i = 0; i < some.w.size(); ++i) {
+            const double w = some.w[i], beside = std::hypot(some.x[i], some.y[i]) * w,
+                         d = std::hypot(w, beside);
+            const double angle = std::atan2(beside, w),
+                         cone = std::asin(std::min(view.radius / d, 0.999));
+            if (angle + cone < 1.5) out = std::max(out, w * std::tan(angle + cone) - beside);
+        }
+        view.ax = view.ay = std::min(1.01 * out, 3 * view.radius);
+        return;
+    }
+    double x = view.ax, y = view.ay;
+    const size_t receivers = some.w.size() / 2048 + 1, corners = view.triangles.size() / 64 + 1;
+    for (size_t i = 0; i < some.w.size(); i += receivers)
+        for (size_t k = 0; k < view.triangles.size(); k += corners)
+            for (const Point3 p : {view.triangles[k].a, view.triangles[k].b, view.triangles[k].c}) {
+                const double w = some.w[i];
+                if (!(p.z < 0.9 * w)) continue;
+                const double part = w / (w - p.z);
+                x = std::max(x, std::abs(some.x[i] * w + (p.x - some.x[i] * w) * part));
+                y = std::max(y, std::abs(some.y[i] * w + (p.y - some.y[i] * w) * part));
+            }
+    view.ax = std::min(1.01 * x, 3 * view.ax), view.ay = std::min(1.01 * y, 3 * view.ay);
 }
 double part_of(std::vector<double>& values, double part) {
     const size_t at = std::min(size_t(part * double(values.size())), values.size() - 1);
@@ -178,19 +263,12 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
         view.shape = LightView::Shape::sphere;
     else if (light.shape == "point" || light.shape == "spot")
         view.shape = LightView::Shape::point;
+    else if (light.shape == "mesh")
+        view.shape = LightView::Shape::mesh;
     else
-        fail(fmt::format("light '{}' has shape '{}'; expected quad, disc, sphere, point or spot",
-                         light.name, light.shape));
-    const auto extents = numbers(light.json->find("half_extents"), 2,
-                                 fmt::format("'half_extents' of light '{}'", light.name));
-    if (extents[0] < 0 || extents[1] < 0)
-        fail(fmt::format("'half_extents' of light '{}' are {}, {}; expected 0 or more", light.name,
-                         extents[0], extents[1]));
-    view.ax = extents[0], view.ay = extents[1];
-    if (view.ax == 0 && view.ay == 0) view.shape = LightView::Shape::point;
-    // A line has some width, or its slopes over the lens would have no ratio.
-    view.ax = std::max(view.ax, 1e-6 * view.ay), view.ay = std::max(view.ay, 1e-6 * view.ax);
-    view.radius = view.ax;
+        fail(
+            fmt::format("light '{}' has shape '{}'; expected quad, disc, sphere, point, spot or mesh",
+                        light.name, light.shape));
     const Json* camera = samples.meta.find("camera");
     const bool turns = camera && camera->find("world_to_camera_end");
     view.pixel_to_world = {pixel_to_world(samples, ""),
@@ -203,11 +281,12 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
         const Receivers all = some_receivers(view, from, samples.size());
         if (all.hits > 0) middle = all.sum * (1.0 / double(all.hits));
     }
-    view.moves = light.json->find("origin_end") != nullptr;
-    for (const size_t end : {0, 1}) {
-        view.light_to_world[end] = light_frame(light, end && view.moves ? "_end" : "", middle);
-        view.world_to_light[end] = inverse(view.light_to_world[end]);
-    }
+    if (view.shape == LightView::Shape::mesh)
+        place_mesh_light(light, middle, view);
+    else
+        place_light(light, middle, view);
+    // A line has some width, or its slopes over the lens would have no ratio.
+    view.ax = std::max(view.ax, 1e-6 * view.ay), view.ay = std::max(view.ay, 1e-6 * view.ax);
 
     Receivers some = some_receivers(view, from, samples.size());
     if (some.w.empty())
@@ -220,18 +299,7 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
     const double between = 2 / (1 / nearest + 1 / farthest);
     view.focus = options.focus > 0 ? options.focus : between;
     view.nearest = 1e-3 * between;
-    if (view.shape == LightView::Shape::sphere) {
-        // From aside, the ball's outline lies farther out on the plane through its centre.
-        double out = view.radius;
-        for (size_t i = 0; i < some.w.size(); ++i) {
-            const double w = some.w[i], beside = std::hypot(some.x[i], some.y[i]) * w,
-                         d = std::hypot(w, beside);
-            const double angle = std::atan2(beside, w),
-                         cone = std::asin(std::min(view.radius / d, 0.999));
-            if (angle + cone < 1.5) out = std::max(out, w * std::tan(angle + cone) - beside);
-        }
-        view.ax = view.ay = std::min(1.01 * out, 3 * view.radius);
-    }
+    if (!view.same_points()) widen(some, view);
     const double left = part_of(some.x, 0.02), right = part_of(some.x, 0.98);
     const double top = part_of(some.y, 0.02), bottom = part_of(some.y, 0.98);
     const double across = std::max(right - left, 1e-6), down = std::max(bottom - top, 1e-6);

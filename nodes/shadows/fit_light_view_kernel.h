@@ -9,7 +9,8 @@
 namespace weft::shadows {
 
 struct FitOptions {
-    std::string light;  // its name; "": the first that has an area, else the first
+    std::string light;  // its name, or its place in meta.lights; "": the first that has an area,
+                        // else the first
     double pixels = 0;  // of film a unit of w at depth 1; 0: as dense as the camera's
     double focus = 0;   // world units; 0: between the nearest and the farthest receiver
 };

@@ -36,9 +36,9 @@ struct LightSamplesFromFile {
         const Samples& samples = in.get<Samples>("samples");
         const LightView& view = in.get<LightView>("light-view");
         samples.require("light-samples-from-file", {"xy", "z", "shadow_hit", "light_uv"});
-        if (!view.same_points())
+        if (!view.same_points() || view.shape == LightView::Shape::mesh)
             ctx.fail(
-                fmt::format("light '{}' is a ball, whose points light_uv does not name; "
+                fmt::format("light '{}' is a ball or a mesh, whose points light_uv does not name; "
                             "render-light-samples draws its own",
                             view.name));
         const Channel* index = samples.find("light_index");

@@ -3,7 +3,7 @@
 //   light space   X along the light's ex, Y along ey, w the distance in front of its plane (> 0)
 //   l             where on the light: (ax l.x, ay l.y, 0) in light space; a quad is [-1, 1]^2, a
 //                 disc the unit disc; of a ball, which looks from each receiver like another disc,
-//                 where the ray crosses the plane through its centre
+//                 and of a mesh, where the ray crosses the plane through its middle
 //   q             px of the film: c + k (X, Y) / w + (C0 / w + C1) l with C0 = -k a, C1 = k a / F;
 //                 the focus distance F moves samples over the film, not the result
 //   time          what moves goes straight in light space between both ends of the shutter; so a
@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "runtime/value.h"
 #include "samples/samples.h"
@@ -30,6 +31,9 @@ struct Point3 {
 };
 inline double dot(Point3 a, Point3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Point3 cross(Point3 a, Point3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline Point3 to_double(Vec3 v) {
     return {double(v.x), double(v.y), double(v.z)};
@@ -49,15 +53,29 @@ struct Map3 {
 };
 Map3 inverse(const Map3& m);
 
+// A triangle of a mesh that shines, in light space.
+struct LightTriangle {
+    Point3 a, b, c;
+    double end = 1;  // the part of the light that it and all triangles before it send out
+};
+
+// Where a ray starts: on the light's plane at l, or at a mesh's depth w before it or behind it.
+struct LightPoint {
+    double lx = 0, ly = 0, depth = 0;
+};
+
 class LightView {
   public:
-    enum class Shape { quad, disc, sphere, point };
+    enum class Shape { quad, disc, sphere, point, mesh };
 
     std::string name;
     std::uint32_t light = 0;  // its place in meta.lights: the `light_index` of samples
     Shape shape = Shape::quad;
     double ax = 1, ay = 1;  // half extents of l = 1, world units; 0: a point
-    double radius = 0;      // of a ball
+    double radius = 0;      // of a ball, or of a mesh that is not flat
+    std::vector<LightTriangle> triangles;  // of a mesh
+    bool flat = true;                      // all of them lie in the light's plane
+    bool two_sided = false;                // they shine to both sides
     double k = 1, cx = 0, cy = 0, focus = 1;
     double nearest = 1e-3;      // w: what is nearer to the light's plane is not seen
     int width = 0, height = 0;  // of the film, px
@@ -86,12 +104,26 @@ class LightView {
     // Change of 1/w a px of film, seen from l = 0, of the plane through p with this normal; 0 where
     // the plane is seen edge-on.
     std::array<double, 2> inverse_depth_gradient(Point3 p, Point3 normal) const;
-    // The light's point of two numbers in [0, 1), evenly spread over it (a ball: over what of it a
-    // receiver in light space sees).
-    std::array<double, 2> point(double a, double b, Point3 receiver) const;
-    bool same_points() const { return shape != Shape::sphere; }  // for all receivers
+    // The light's point of two numbers in [0, 1), evenly spread over it (a ball, a mesh that is not
+    // flat: over what of it a receiver in light space sees).
+    LightPoint draw(double a, double b, Point3 receiver) const;
+    std::array<double, 2> point(double a, double b, Point3 receiver) const {
+        const LightPoint at = draw(a, b, receiver);
+        return {at.lx, at.ly};
+    }
+    // Where the ray to a receiver starts, in light space.
+    Point3 start(const LightPoint& at, Point3 receiver) const {
+        const Point3 on_plane{ax * at.lx, ay * at.ly, 0};
+        return on_plane + (receiver - on_plane) * (at.depth / receiver.z);
+    }
+    bool same_points() const { return shape != Shape::sphere && flat; }  // for all receivers
 
-    size_t bytes() const { return sizeof(LightView); }
+    size_t bytes() const { return sizeof(LightView) + triangles.size() * sizeof(LightTriangle); }
+
+  private:
+    LightPoint on_ball(double a, double b, Point3 receiver) const;
+    LightPoint on_mesh(double a, double b, Point3 receiver) const;
+    LightPoint seen_through(Point3 at, Point3 receiver) const;
 };
 
 WEFT_VALUE_TYPE(LightView, "LightView", "a light that looks at the receivers of a sample buffer")

@@ -96,9 +96,9 @@ struct RenderLightSamples {
                 const auto index =
                     std::uint32_t((i - range.begin) * size_t(per_sample) + size_t(r));
                 const Disk numbers = light_numbers(seed, x, y, count, index);
-                const auto l = view.point(double(numbers.u), double(numbers.v), receiver);
-                LightHit hit{receiver, {}, {}, t, l[0], l[1], std::uint32_t(i)};
-                const Vec3 origin = to_float(view.to_world({view.ax * l[0], view.ay * l[1], 0}, t));
+                const LightPoint l = view.draw(double(numbers.u), double(numbers.v), receiver);
+                LightHit hit{receiver, {}, {}, t, l.lx, l.ly, std::uint32_t(i)};
+                const Vec3 origin = to_float(view.to_world(view.start(l, receiver), t));
                 const Vec3 way = target - origin;
                 const float distance = length(way);
                 if (!(distance > 0)) continue;

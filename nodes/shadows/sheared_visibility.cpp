@@ -181,12 +181,13 @@ struct ShearedVisibility {
         visibility = own.empty() ? 1.0f : float(lit) / float(own.size());
         const double lo = double(b[slopes.lo]), hi = double(b[slopes.hi]),
                      pixel = double(b[slopes.pixel]);
-        const bool ball = view.shape == LightView::Shape::sphere;
-        const double ax = ball ? view.radius : view.ax, ay = ball ? view.radius : view.ay;
+        const bool solid = !view.same_points();
+        const double ax = solid ? view.radius : view.ax, ay = solid ? view.radius : view.ay;
         if (!(lo < INFINITY) || !(lo > double(contact)) || !(pixel > 0) || !(ax > 0) || !(ay > 0))
             return;
 
-        const bool round = view.shape != LightView::Shape::quad;
+        const bool round =
+            view.shape != LightView::Shape::quad && view.shape != LightView::Shape::mesh;
         const Axis along_x = axis_of(ax, round, lo, hi, pixel),
                    along_y = axis_of(ay, round, lo, hi, pixel);
         const double shear = (lo + hi) / 2;
