@@ -40,7 +40,7 @@ struct FitLightView {
     }
 };
 
-WEFT_NODE(FitLightView, "fit-light-view", 1)
+WEFT_NODE(FitLightView, "fit-light-view", 2)
 
 }  // namespace
 }  // namespace weft

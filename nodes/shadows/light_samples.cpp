@@ -1,5 +1,7 @@
 #include "shadows/light_samples.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace weft::shadows {
@@ -19,6 +21,19 @@ void compact(std::vector<T>& values, const std::vector<float>& z, size_t compone
 
 }  // namespace
 
+void warn_of(const Unseen& unseen, const LightView& view, Context& ctx) {
+    if (unseen.too_near > 0)
+        ctx.warn(
+            fmt::format("{} light samples lie within {:.3g} of light '{}' and are left out: it "
+                        "touches what it shines on",
+                        unseen.too_near, view.nearest, view.name));
+    if (unseen.outside > 0)
+        ctx.warn(
+            fmt::format("{} receivers lie outside the view of light '{}' and get no shadow of it; "
+                        "fit-light-view of the same samples holds all that are in front of it",
+                        unseen.outside, view.name));
+}
+
 LightSampleArrays::LightSampleArrays(size_t places)
     : xy_(2 * places),
       uv_(2 * places),
@@ -28,11 +43,16 @@ LightSampleArrays::LightSampleArrays(size_t places)
       gradient_(2 * places),
       source_(places) {}
 
-bool LightSampleArrays::seen(const LightView& view, const LightHit& hit) {
-    if (!(hit.at.z > view.nearest)) return false;
+bool LightSampleArrays::seen(const LightView& view, const LightHit& hit, Unseen& unseen) {
+    if (!(hit.at.z > view.nearest)) {
+        ++unseen.too_near;
+        return false;
+    }
     const auto q = view.project(hit.at, hit.lx, hit.ly);
-    return q[0] >= 0 && q[0] < view.width && q[1] >= 0 && q[1] < view.height &&
-           std::isfinite(hit.at.z) && std::isfinite(dot(hit.motion, hit.motion));
+    if (q[0] >= 0 && q[0] < view.width && q[1] >= 0 && q[1] < view.height)
+        return std::isfinite(hit.at.z) && std::isfinite(dot(hit.motion, hit.motion));
+    ++unseen.outside;
+    return false;
 }
 
 void LightSampleArrays::set(size_t i, const LightView& view, const LightHit& hit) {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "runtime/context.h"
 #include "samples/samplers.h"
 #include "shadows/light_view.h"
 
@@ -25,13 +26,25 @@ struct LightHit {
     std::uint32_t source = 0;
 };
 
+// Receivers that have no light sample.
+struct Unseen {
+    size_t too_near = 0;  // they, or what shadows them, touch the light
+    size_t outside = 0;   // the light shines on them, but its view does not hold them
+    Unseen& operator+=(const Unseen& more) {
+        too_near += more.too_near, outside += more.outside;
+        return *this;
+    }
+};
+void warn_of(const Unseen& unseen, const LightView& view, Context& ctx);
+
 // Samples in places of their own, some of them empty. Threads: any, on different places.
 class LightSampleArrays {
   public:
     explicit LightSampleArrays(size_t places);
     void set(size_t place, const LightView& view, const LightHit& hit);
-    // Whether `hit` can be: in front of the light, on its film, all numbers finite.
-    static bool seen(const LightView& view, const LightHit& hit);
+    // Whether `hit` can be: in front of the light, on its film, all numbers finite; counts it where
+    // not.
+    static bool seen(const LightView& view, const LightHit& hit, Unseen& unseen);
     // The places that were set, in order. `part` of the camera's samples asked this light at all.
     Samples take(const LightView& view, const Samples& camera, double part = 1) &&;
 

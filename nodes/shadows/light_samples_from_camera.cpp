@@ -1,6 +1,8 @@
 // light-samples-from-camera: light samples where neither the scene nor its shadow rays are at hand:
 // the camera's own first hits, each as if the light saw it. What the camera does not see casts no
 // shadow.
+#include <atomic>
+
 #include "runtime/node.h"
 #include "shadows/camera_samples.h"
 #include "shadows/light_samples.h"
@@ -28,7 +30,9 @@ struct LightSamplesFromCamera {
         const CameraSamples from(samples);
         const auto normals = samples.values("geometric_normal");
         LightSampleArrays made(samples.size());
+        std::atomic<size_t> outside = 0;
         ctx.parallel_rows(samples.height, [&](Rows rows) {
+            Unseen unseen;
             const size_t wide = size_t(samples.width);
             for (size_t pixel = size_t(rows.begin) * wide; pixel < size_t(rows.end) * wide;
                  ++pixel) {
@@ -38,7 +42,10 @@ struct LightSamplesFromCamera {
                     const double t = from.time(i);
                     const auto ends = from.ends(i);
                     LightHit hit{view.from_camera(ends[0], ends[1], t), {}, {}, t};
-                    if (!(hit.at.z > view.nearest)) continue;
+                    if (!(hit.at.z > view.nearest)) {
+                        unseen.outside += view.shines_behind() && hit.at.z < -view.nearest;
+                        continue;
+                    }
                     const Disk numbers =
                         light_numbers(seed, int(pixel % wide), int(pixel / wide),
                                       int(range.end - range.begin), std::uint32_t(i - range.begin));
@@ -51,10 +58,12 @@ struct LightSamplesFromCamera {
                         hit.normal = view.world_to_light[0].vector({double(normals[3 * i]),
                                                                     double(normals[3 * i + 1]),
                                                                     double(normals[3 * i + 2])});
-                    if (LightSampleArrays::seen(view, hit)) made.set(i, view, hit);
+                    if (LightSampleArrays::seen(view, hit, unseen)) made.set(i, view, hit);
                 }
             }
+            outside += unseen.outside;
         });
+        warn_of({0, outside}, view, ctx);
         out.set("light-samples", std::move(made).take(view, samples));
     }
 };

@@ -44,26 +44,28 @@ struct LightSamplesFromFile {
         const Channel* index = samples.find("light_index");
         const Recorded from(samples);
         LightSampleArrays made(samples.size());
-        std::atomic<size_t> all = 0, hits = 0, kept = 0;
+        std::atomic<size_t> all = 0, hits = 0, kept = 0, outside = 0;
         ctx.parallel(samples.size(), 16384, [&](size_t begin, size_t end) {
             size_t any = 0, there = 0, taken = 0;
+            Unseen unseen;
             for (size_t i = begin; i < end; ++i) {
                 if (!from.camera.hit(i)) continue;
                 ++any;
                 if (index && index->ids[i] != view.light) continue;
                 ++there;
                 LightHit hit;
-                if (!from.read(view, i, hit) || !LightSampleArrays::seen(view, hit)) continue;
+                if (!from.read(view, i, hit) || !LightSampleArrays::seen(view, hit, unseen)) continue;
                 ++taken;
                 made.set(i, view, hit);
             }
-            all += any, hits += there, kept += taken;
+            all += any, hits += there, kept += taken, outside += unseen.outside;
         });
         if (kept == 0 && hits > 0)
             ctx.fail(
                 fmt::format("none of {} shadow_hit lies between light '{}' and what its "
                             "sample shows; expected world positions on the ray from light_uv",
                             size_t(hits), view.name));
+        warn_of({0, outside}, view, ctx);
         const double part = all > 0 && hits > 0 ? double(hits) / double(all) : 1;
         out.set("light-samples", std::move(made).take(view, samples, part));
     }

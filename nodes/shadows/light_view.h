@@ -116,6 +116,10 @@ class LightView {
         const Point3 on_plane{ax * at.lx, ay * at.ly, 0};
         return on_plane + (receiver - on_plane) * (at.depth / receiver.z);
     }
+    // Whether it shines on what lies behind its plane, too, where a view does not look.
+    bool shines_behind() const {
+        return shape == Shape::sphere || shape == Shape::point || two_sided || !flat;
+    }
     bool same_points() const { return shape != Shape::sphere && flat; }  // for all receivers
 
     size_t bytes() const { return sizeof(LightView) + triangles.size() * sizeof(LightTriangle); }

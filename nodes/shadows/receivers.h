@@ -76,6 +76,7 @@ class Receivers {
         start(seed, from, n, at);
         for (auto* values : {&ask.inverse_depth, &ask.slope_x, &ask.slope_y}) values->assign(n, 0);
         ask.sample.assign(n, SeenSamples::none);
+        ask.outside = 0;
         at.ratio.assign(ratios() ? n : 0, 1);
         float x0 = 1e30f, y0 = 1e30f, x1 = -1e30f, y1 = -1e30f;
         for (size_t l = 0; l < n; ++l) {
@@ -87,7 +88,10 @@ class Receivers {
             const Point3 p{double(r.open[0]) + t * double(r.way[0]),
                            double(r.open[1]) + t * double(r.way[1]),
                            double(r.open[2]) + t * double(r.way[2])};
-            if (!(p.z > 0)) continue;
+            if (!(p.z > 0)) {
+                ask.outside += view_.shines_behind() && p.z < -view_.nearest;
+                continue;
+            }
             if (!at.shared) {
                 const auto on_light =
                     view_.point(number(seed, from, l, 0), number(seed, from, l, 1), p);
@@ -98,7 +102,10 @@ class Receivers {
                                   (view_.c0x() * inverse + view_.c1x()) * double(at.u_of(l))),
                         y = float(view_.cy + view_.k * p.y * inverse +
                                   (view_.c0y() * inverse + view_.c1y()) * double(at.v_of(l)));
-            if (!(x >= 0 && x < float(view_.width) && y >= 0 && y < float(view_.height))) continue;
+            if (!(x >= 0 && x < float(view_.width) && y >= 0 && y < float(view_.height))) {
+                ++ask.outside;
+                continue;
+            }
             at.x[l] = x, at.y[l] = y;
             x0 = std::min(x0, x), x1 = std::max(x1, x);
             y0 = std::min(y0, y), y1 = std::max(y1, y);

@@ -1,7 +1,5 @@
 // render-light-samples: for each camera sample a ray from a point of the light towards what the
 // camera saw, and the first thing that it meets: one shadow ray a sample (light_samples.h).
-#include <fmt/format.h>
-
 #include <atomic>
 
 #include "render/surface.h"
@@ -46,40 +44,34 @@ struct RenderLightSamples {
         samples.require("render-light-samples", {"xy", "z"});
         const RayScene rays(in.get<Scene>("scene"), ctx);
         LightSampleArrays made(samples.size() * size_t(per_sample));
-        std::atomic<size_t> inside = 0, rows_done = 0;
+        std::atomic<size_t> too_near = 0, outside = 0, rows_done = 0;
         ctx.parallel_rows(
             samples.height,
             [&](Rows rows) {
                 const FlushDenormals flush;
                 Rays ray;
                 ray.resize(64);
-                size_t lost = 0;
+                Unseen unseen;
                 for (int y = rows.begin; y < rows.end; ++y)
                     for (int x = 0; x < samples.width; ++x)
-                        lost += trace_pixel(samples, view, rays, x, y, ray, made);
-                inside += lost;
+                        trace_pixel(samples, view, rays, x, y, ray, made, unseen);
+                too_near += unseen.too_near, outside += unseen.outside;
                 ctx.progress(double(rows_done += size_t(rows.end - rows.begin)), samples.height,
                              "rows");
             },
             4);
-        if (inside > 0)
-            ctx.warn(
-                fmt::format("{} light samples lie within {:.3g} of light '{}' and are left out: it "
-                            "touches what it shines on",
-                            size_t(inside), view.nearest, view.name));
+        warn_of({too_near, outside}, view, ctx);
         out.set("light-samples", std::move(made).take(view, samples));
     }
 
   private:
-    // Returns how many hits lie too near to the light.
-    size_t trace_pixel(const Samples& samples, const LightView& view, const RayScene& rays, int x,
-                       int y, Rays& ray, LightSampleArrays& made) const {
+    void trace_pixel(const Samples& samples, const LightView& view, const RayScene& rays, int x,
+                     int y, Rays& ray, LightSampleArrays& made, Unseen& unseen) const {
         const CameraSamples from(samples);
         const auto position = samples.values("position");
         const Samples::Range range =
             samples.of_pixel(size_t(y) * size_t(samples.width) + size_t(x));
         const int count = int(range.end - range.begin) * per_sample;
-        size_t too_near = 0;
         for (size_t i = range.begin; i < range.end; ++i) {
             if (!from.hit(i)) continue;
             const double t = from.time(i);
@@ -90,7 +82,10 @@ struct RenderLightSamples {
                     : view.from_world(
                           to_double({position[3 * i], position[3 * i + 1], position[3 * i + 2]}),
                           t);
-            if (!(receiver.z > view.nearest)) continue;
+            if (!(receiver.z > view.nearest)) {
+                unseen.outside += view.shines_behind() && receiver.z < -view.nearest;
+                continue;
+            }
             const Vec3 target = to_float(view.to_world(receiver, t));
             for (int r = 0; r < per_sample; ++r) {
                 const auto index =
@@ -107,13 +102,10 @@ struct RenderLightSamples {
                         float(t), solid_mask | sheer_mask);
                 rays.intersect(ray, 0, 1);
                 if (ray.object[0] != no_object) take_hit(view, rays, ray, distance, t, hit);
-                if (LightSampleArrays::seen(view, hit))
+                if (LightSampleArrays::seen(view, hit, unseen))
                     made.set(i * size_t(per_sample) + size_t(r), view, hit);
-                else
-                    too_near += hit.at.z <= view.nearest;
             }
         }
-        return too_near;
     }
 
     static void take_hit(const LightView& view, const RayScene& rays, const Rays& ray,

@@ -24,7 +24,11 @@ struct ShadowQueries : Batch {
     std::vector<float> slope_x, slope_y;  // of 1 / w over the film, of the receiver's surface, seen
                                           // from l = 0
     std::vector<std::uint32_t> sample;    // of the camera's buffer; SeenSamples::none
-    void count(Items& items) const { items.add("queries", size()); }
+    size_t outside = 0;  // receivers that the light shines on and its view does not hold
+    void count(Items& items) const {
+        items.add("queries", size());
+        items.add("outside-view", outside);
+    }
     void describe(FieldVisitor& see) const;
 };
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <sstream>
 
 #include "render/scene.h"
 #include "shadows/light_view.h"
@@ -113,17 +114,63 @@ TEST(ShadowInput, SamplesWithoutPlacesAreRefused) {
               std::string::npos);
 }
 
-// A film that holds a part of the receivers: the others have no light sample, which is no error.
+// A film that holds a part of the receivers: the others have no light sample, and that is said.
 TEST(ShadowInput, ReceiversOutsideTheLightsViewHaveNoLightSample) {
     const Scene scene = scene_of(scene_text("", quad(1)));
     const Samples samples = rendered(scene);
     LightView view = view_of(samples);
     const size_t all = light_samples(scene, samples, view).size();
     view.width /= 2;
-    const Samples part = light_samples(scene, samples, view);
+    RunNode run("render-light-samples");
+    const Samples part = run.in("scene", scene)
+                             .in("samples", samples)
+                             .in("light-view", view)
+                             .out<Samples>("light-samples");
+    ASSERT_EQ(run.ctx.warnings.size(), 1u);
+    const std::string lost =
+        fmt::format("{} receivers lie outside the view of light 'key'", all - part.size());
+    EXPECT_EQ(run.ctx.warnings[0].find(lost), 0u) << run.ctx.warnings[0];
+    for (const char* node : {"light-samples-from-camera", "light-samples-from-file"}) {
+        RunNode other(node);
+        other.in("samples", samples).in("light-view", view).out<Samples>("light-samples");
+        ASSERT_EQ(other.ctx.warnings.size(), 1u) << node;
+        EXPECT_NE(other.ctx.warnings[0].find("outside the view"), std::string::npos) << node;
+    }
     EXPECT_LT(part.size(), 0.9 * double(all));
     EXPECT_GT(part.size(), 0.1 * double(all));
     for (size_t i = 0; i < part.size(); ++i) EXPECT_LT(part.xy()[2 * i], float(view.width)) << i;
+}
+
+// A ball among its receivers: its view looks at most of them. What is behind it stays as it is lit
+// without shadows, and is counted in the report.
+TEST(ShadowInput, ReceiversBehindABallAreCounted) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << scene_text(
+        R"(, {"shape": "plane", "material": "grey", "at": [0, 1.2, -2], "rotate": [50, 0, 0], "scale": 0.8})",
+        R"({"shape": "sphere", "name": "key", "at": [0, 0.7, -0.5], "radius": 0.1, "radiance": [20, 20, 20], "visible": false})");
+    std::stringstream text;
+    text << std::ifstream(std::string(WEFT_SOURCE_DIR) + "/graphs/soft-shadows-light-field.json")
+                .rdbuf();
+    for (const bool fuse : {true, false}) {
+        const GraphRun run(
+            text.str(), 32, 1, fuse,
+            {"scene=" + file, "width=48", "height=30", "locations=8", "out=OUT"});
+        EXPECT_TRUE(std::any_of(run.warnings.begin(), run.warnings.end(), [](const auto& w) {
+            return w.find("outside the view of light 'key'") != std::string::npos;
+        }));
+        std::uint64_t outside = 0, queries = 0;
+        for (const SegmentReport& segment : run.result.segments)
+            for (const StageReport& stage : segment.stages)
+                for (const auto& [name, count] : stage.items) {
+                    if (name == "outside-view") outside += count;
+                    if (name == "queries") queries += count;
+                }
+        EXPECT_EQ(queries, 48u * 30 * 8);
+        EXPECT_GT(outside, queries / 50);
+        EXPECT_LT(outside, queries / 2);
+        EXPECT_GT(mean(run.picture), 0);
+    }
 }
 
 TEST(ShadowInput, LightsWithoutSizeCastHardShadows) {

@@ -181,6 +181,7 @@ class ShadowTest {
         shadows::LightSampleArrays made(size_t(side) * size_t(side) * size_t(set_.spp));
         const int strata = int(std::lround(std::sqrt(set_.spp)));
         size_t place = 0;
+        shadows::Unseen unseen;
         for (int j = 0; j < side; ++j)
             for (int i = 0; i < side; ++i)
                 for (int s = 0; s < set_.spp; ++s, ++place) {
@@ -200,7 +201,7 @@ class ShadowTest {
                     if (set_.occluder)
                         if (const auto stop = set_.occluder(light, p, hit.t))
                             hit.at = stop->at, hit.normal = stop->normal, hit.motion = stop->motion;
-                    if (shadows::LightSampleArrays::seen(view_, hit)) made.set(place, view_, hit);
+                    if (shadows::LightSampleArrays::seen(view_, hit, unseen)) made.set(place, view_, hit);
                 }
         Samples camera;
         samples_ = std::move(made).take(view_, camera);
