@@ -70,10 +70,10 @@ Filtered::Filtered(size_t room) {
 }
 
 Changes::Changes(size_t room) {
-    static_assert(Smoothing::widths == 4);
-    auto& [a, b, c, sharp] = of;
+    static_assert(Smoothing::widths == 3);
+    auto& [a, b, sharp] = of;
     lay_out(room, std::array{&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b,
-                             &c.gain, &c.way, &c.r, &c.g, &c.b, &sharp.gain, &sharp.way});
+                             &sharp.gain, &sharp.way});
 }
 
 SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
@@ -286,7 +286,7 @@ struct SmoothRadiance {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records), band = std::min(n, 131072 + n / 8);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 20 * n + 168 * band, 800 * n};
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 20 * n + 148 * band, 700 * n};
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
@@ -321,7 +321,7 @@ struct SmoothRadiance {
     }
 };
 
-WEFT_NODE(SmoothRadiance, "smooth-radiance", 6)
+WEFT_NODE(SmoothRadiance, "smooth-radiance", 7)
 
 }  // namespace
 }  // namespace weft

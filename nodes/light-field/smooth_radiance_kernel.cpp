@@ -183,11 +183,10 @@ void find_errors(const SampleField& s, const Filtered& filtered, const Smoothing
                 });
             std::copy_n(sums.begin(), sums.size(), wide + least);
         };
-        static_assert(widths == 4);
+        static_assert(widths == 3);
         look(0, std::integral_constant<size_t, 1>());
         look(1, std::integral_constant<size_t, 1>());
         look(2, std::integral_constant<size_t, 2>());
-        look(3, std::integral_constant<size_t, 3>());
 
         Color mean[widths];
         for (size_t k = 1; k < widths; ++k) mean[k] = wide[k].over(wide[k].w);

@@ -19,8 +19,8 @@
 // Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), mixing of
 // predictions by the same errors (Wolpert 1992; Breiman 1996, "Stacked regressions"), twicing
 // (Tukey 1977; Stuetzle and Mittal 1979); own combination. Kernels work on blocks [first, last) of
-// samples. Cost: some 800 neighbours a sample in all, about 0.3 us.  Memory: 70 bytes a sample, and
-// 84 for each of a band of rows: the field is gone through from top to bottom once. Threads:
+// samples. Cost: some 800 neighbours a sample in all, about 0.3 us. Memory: 20 bytes a sample, and some 120 for
+// each of a band of rows: the field is gone through from top to bottom once. Threads:
 // through the context.
 #pragma once
 #include <algorithm>
@@ -38,7 +38,7 @@
 namespace weft::light_field {
 
 struct Smoothing {
-    static constexpr size_t widths = 4;
+    static constexpr size_t widths = 3;
     static constexpr size_t treatments =
         widths + 1;                     // 0 as it is, 1 ... smoothed, the last sharpened
     std::array<float, widths> width{};  // px, ascending; the first is that of the filter to come

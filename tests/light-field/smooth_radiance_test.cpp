@@ -240,14 +240,14 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     samples.add("normal", 3, normal);
     Smoothing by;
     by.normal = 1.2f;
-    by.width = {1, 1.5f, 2.2f, 3.5f};
+    by.width = {1, 1.8f, 3.5f};
     by.depth = 0.1f;
     by.slope = 1;
     by.velocity = 2;
     by.epsilon = 0.2f;
     const SampleField s = whole_field(samples, 0.8f);
     by.window = 2.5f;
-    const size_t n = s.size;
+    const size_t n = s.size, sharp = Smoothing::treatments - 1;
     // Distance on one surface; -1 where two samples are of different ones.
     const auto distance = [&](size_t i, size_t j) {
         if (std::abs(s.slope[j] - s.slope[i]) > by.slope || std::abs(s.log_depth[j] - s.log_depth[i]) > by.depth ||
@@ -296,7 +296,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
             if (filtered.weight[i] < 1.01f) continue;  // all but nothing is left without the sample
             double wide[3], as_is[3];
             for (size_t c = 0; c < 3; ++c) {
-                wide[c] = mean(3, i, radiance[c], n);
+                wide[c] = mean(Smoothing::widths - 1, i, radiance[c], n);
                 as_is[c] = radiance[c][i] - mean(0, i, radiance[c], i);
             }
             // What treatment k gains and how far it goes, by what it leaves of each channel.
@@ -312,7 +312,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 EXPECT_NEAR(changes[k].gain[i], gain, precision * error + 1e-4) << k;
                 EXPECT_NEAR(changes[k].way[i], way, precision * error + 1e-4) << k;
             };
-            for (size_t k = 1; k < 4; ++k)
+            for (size_t k = 1; k < Smoothing::widths; ++k)
                 expect(k, [&](size_t c) { return radiance[c][i] - mean(k, i, radiance[c], i); }, 1e-3);
             // Sharpened: the sample left out of both filterings, by its share in the result.
             double share = 0, all = 0;
@@ -323,13 +323,13 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 share += weight(0, i, j) * weight(0, j, i) / (all * of_j);
             }
             share = 2 / all - share;
-            if (share < 0.9) expect(4, [&](size_t c) { return (radiance[c][i] - mean(0, i, sharpened[c], n)) / (1 - share); }, 2e-3);
+            if (share < 0.9) expect(sharp, [&](size_t c) { return (radiance[c][i] - mean(0, i, sharpened[c], n)) / (1 - share); }, 2e-3);
         }
         size_t compared = 0;
         for (size_t i = 0; i < n; i += 3) {
             double best_score = 0, second = 1e9, part = 0;
             size_t expected = 0;
-            for (size_t k = 1; k < 5; ++k) {
+            for (size_t k = 1; k < Smoothing::treatments; ++k) {
                 double gain = 0, spread = 0, way = 0;
                 for (size_t j = 0; j < n; ++j) {
                     const double d = distance(i, j) / by.window;
@@ -339,7 +339,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                     spread += g * g;
                     way += w * double(changes[k].way[j]);
                 }
-                gain += (k == 4 ? by.sharp_caution : by.caution) * std::sqrt(spread);
+                gain += (k == sharp ? by.sharp_caution : by.caution) * std::sqrt(spread);
                 // The least error of all mixes, by trying them.
                 double score = 0, of_it = 0;
                 for (int step = 1; step <= 1000; ++step) {
@@ -357,8 +357,8 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 least = std::min(least, radiance[0][j]);
                 greatest = std::max(greatest, radiance[0][j]);
             }
-            const double past = 0.25 * least, sharp = std::clamp(sharpened[0][i], least - past, greatest + past);
-            const double treated = expected == 0 ? radiance[0][i] : expected == 4 ? sharp : mean(expected, i, radiance[0], n);
+            const double past = 0.25 * least, sharper = std::clamp(sharpened[0][i], least - past, greatest + past);
+            const double treated = expected == 0 ? radiance[0][i] : expected == sharp ? sharper : mean(expected, i, radiance[0], n);
             const double red = radiance[0][i] + part * (treated - radiance[0][i]);
             if (std::isfinite(red)) {
                 EXPECT_NEAR(rgb[3 * s.order[i]], red, 1e-3);
