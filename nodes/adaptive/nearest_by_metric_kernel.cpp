@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "adaptive/store_some.h"
 #include "adaptive/with_axes.h"
 #include "filters/simd.h"
 
@@ -32,8 +33,8 @@ void find(const NearbySamples& nearby, const float* upper, const float* lo, cons
             off2 = hn::MulAdd(off, off, off2);
         }
         const auto counts = hn::Le(off2, hn::LoadU(f, &nearby.support2[i]));
-        kept += hn::CompressStore(hn::Iota(whole, std::uint32_t(i)), hn::RebindMask(whole, counts),
-                                  whole, &which[kept]);
+        kept += store_some(hn::Iota(whole, std::uint32_t(i)), hn::RebindMask(whole, counts), whole,
+                           &which[kept]);
     }
     which.resize(kept);
     found.records.resize(kept * record);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "adaptive/store_some.h"
 #include "adaptive/with_axes.h"
 #include "filters/simd.h"
 
@@ -110,8 +111,8 @@ bool find(const SamplesAround& around, const float* centre, const float* upper, 
         const VF d = hn::LoadU(f, distance2 + i);
         const auto inside = hn::Le(d, r);
         farthest = hn::Max(farthest, hn::IfThenElseZero(inside, d));
-        kept += hn::CompressStore(hn::Iota(whole, std::uint32_t(i)), hn::RebindMask(whole, inside),
-                                  whole, &found.near[kept]);
+        kept += store_some(hn::Iota(whole, std::uint32_t(i)), hn::RebindMask(whole, inside), whole,
+                           &found.near[kept]);
     }
     found.near.resize(kept);
     found.radius2 = hn::GetLane(hn::MaxOfLanes(f, farthest));
@@ -173,6 +174,69 @@ NeighbourSums sum(const SamplesAround& around, const float* centre,
     return sums;
 }
 
+template <int axes>
+void append(const std::array<const float*, most_axes>& at, const std::uint32_t* place, size_t begin,
+            size_t end, const float* lo, const float* hi, float reach2, SamplesAround& to) {
+    const hn::RebindToUnsigned<hn::ScalableTag<float>> whole;
+    const size_t room = whole_vectors(to.size + (end - begin) + lanes + 15);
+    if (to.place.size() < room) {
+        for (size_t a = 0; a < axes; ++a) to.at[a].resize(2 * room);
+        to.place.resize(2 * room);
+    }
+    const float* from[axes];
+    float* kept[axes];
+    VF least[axes], most[axes];
+    for (size_t a = 0; a < axes; ++a) {
+        from[a] = at[a], kept[a] = to.at[a].data();
+        least[a] = hn::Set(f, lo[a]), most[a] = hn::Set(f, hi[a]);
+    }
+    std::uint32_t* kept_place = to.place.data();
+    size_t size = to.size;
+    const VF limit = hn::Set(f, reach2);
+    for (size_t i = begin; i < end; i += lanes) {
+        const size_t n = std::min(lanes, end - i);
+        const auto load = [&](const auto* values, auto d) {
+            if (n == lanes) return hn::LoadU(d, values + i);
+            hn::TFromD<decltype(d)> tail[lanes] = {};
+            std::copy_n(values + i, n, tail);
+            return hn::LoadU(d, tail);
+        };
+        VF x[axes], off2 = hn::Zero(f);
+        for (size_t a = 0; a < axes; ++a) {
+            x[a] = load(from[a], f);
+            const VF off =
+                hn::Max(hn::Max(hn::Sub(least[a], x[a]), hn::Sub(x[a], most[a])), hn::Zero(f));
+            off2 = hn::MulAdd(off, off, off2);
+        }
+        const auto inside = hn::And(hn::FirstN(f, n), hn::Le(off2, limit));
+        if (hn::AllFalse(f, inside)) continue;
+        for (size_t a = 0; a < axes; ++a) store_some(x[a], inside, f, kept[a] + size);
+        const auto which = place ? load(place, whole) : hn::Iota(whole, std::uint32_t(i));
+        size += store_some(which, hn::RebindMask(whole, inside), whole, kept_place + size);
+    }
+    to.size = size;
+    for (size_t a = 0; a < axes; ++a) std::fill_n(kept[a] + size, 16, 1e18f);
+}
+
+template <int axes>
+void mean(const SamplesAround& around, const float* tensors, const Neighbourhood& of, float* to) {
+    const hn::CappedTag<float, 8> part;
+    constexpr size_t width = hn::MaxLanes(part), parts = tensor_stride(axes) / width;
+    hn::Vec<decltype(part)> sum[parts];
+    for (auto& s : sum) s = hn::Zero(part);
+    float all = 0;
+    for (size_t k = 0; k < of.near.size(); ++k) {
+        const float* from = tensors + tensor_stride(axes) * around.place[of.near[k]];
+        const auto weight = hn::Set(part, of.weight[k]);
+        all += of.weight[k];
+        for (size_t p = 0; p < parts; ++p)
+            sum[p] = hn::MulAdd(weight, hn::LoadU(part, from + p * width), sum[p]);
+    }
+    float sums[tensor_stride(axes)];
+    for (size_t p = 0; p < parts; ++p) hn::StoreU(sum[p], part, sums + p * width);
+    for (size_t i = 0; i < axes * (axes + 1) / 2; ++i) to[i] = sums[i] / all;
+}
+
 }  // namespace
 
 bool find_neighbours(const SamplesAround& around, size_t axes, const float* centre,
@@ -187,17 +251,15 @@ NeighbourSums sum_neighbours(const SamplesAround& around, size_t axes, const flo
     return with_axes(axes, [&](auto n) { return sum<n.value>(around, centre, rgb, self, of); });
 }
 
-void mean_of_neighbours(const SamplesAround& around, const float* values, size_t numbers,
-                        Neighbourhood& of, float* mean) {
-    of.more.assign(whole_vectors(numbers), 0.0f);
-    float all = 0;
-    for (size_t k = 0; k < of.near.size(); ++k) {
-        const float weight = of.weight[k];
-        const float* from = &values[numbers * around.place[of.near[k]]];
-        all += weight;
-        for (size_t i = 0; i < numbers; ++i) of.more[i] += weight * from[i];
-    }
-    for (size_t i = 0; i < numbers; ++i) mean[i] = of.more[i] / all;
+void append_within(const std::array<const float*, most_axes>& at, const std::uint32_t* place,
+                   size_t begin, size_t end, size_t axes, const float* lo, const float* hi,
+                   float reach2, SamplesAround& to) {
+    with_axes(axes, [&](auto n) { append<n.value>(at, place, begin, end, lo, hi, reach2, to); });
+}
+
+void mean_of_neighbours(const SamplesAround& around, const float* tensors, size_t axes,
+                        const Neighbourhood& of, float* to) {
+    with_axes(axes, [&](auto n) { mean<n.value>(around, tensors, of, to); });
 }
 
 }  // namespace weft::adaptive::WEFT_ISA

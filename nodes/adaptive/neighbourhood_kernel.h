@@ -1,5 +1,6 @@
 // Neighbourhoods of samples by distances of their own, and what is fitted to them: one sample after
-// another of a bucket of the tree, among those around the bucket, a vector at once.
+// another of a bucket of the tree, among those around the bucket and then around itself, a vector
+// at once.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,21 +12,27 @@
 
 namespace weft::adaptive {
 
-// The samples around a bucket, padded to a multiple of 16 with ones that are nowhere.
+// The samples around a bucket, or around one sample, padded to a multiple of 16 with ones that are
+// nowhere.
 struct SamplesAround {
     std::array<std::vector<float>, most_axes> at;  // px
     std::vector<std::uint32_t> place;              // in the tree's order
     size_t size = 0;                               // without padding
 };
 
+// Numbers from one sample's tensor to the next one's: its D (D + 1) / 2, in whole vectors.
+constexpr size_t tensor_stride(size_t axes) {
+    return (axes * (axes + 1) / 2 + 7) / 8 * 8;
+}
+
 // A sample's neighbours, itself among them.
 struct Neighbourhood {
-    std::vector<float> distance2;             // of all around it
-    std::vector<std::uint32_t> near;          // which of these are neighbours
-    std::vector<float> weight;                // of each neighbour: exp(-2 d^2 / r^2)
-    std::vector<float> offset, change, more;  // scratch
-    float radius2 = 0;                        // r^2: none is farther
-    float guess = 0;                          // for the next one's radius
+    std::vector<float> distance2;       // of all around it
+    std::vector<std::uint32_t> near;    // which of these are neighbours
+    std::vector<float> weight;          // of each neighbour: exp(-2 d^2 / r^2)
+    std::vector<float> offset, change;  // scratch
+    float radius2 = 0;                  // r^2: none is farther
+    float guess = 0;                    // for the next one's radius
 };
 
 // Sums over a neighbourhood, with d the offset from the sample and f a channel's difference to it:
@@ -41,6 +48,11 @@ struct NeighbourSums {
 
 #define WEFT_NEIGHBOURHOOD(isa)                                                                    \
     namespace isa {                                                                                \
+    /* Takes in, of samples [begin, end), those that are within the square root of `reach2` of  */ \
+    /* the box from lo to hi. `place`: what they are called; null: by their index.              */ \
+    void append_within(const std::array<const float*, most_axes>& at, const std::uint32_t* place,  \
+                       size_t begin, size_t end, size_t axes, const float* lo, const float* hi,    \
+                       float reach2, SamplesAround& to);                                           \
     /* Finds about `count` nearest, never fewer, of those within the square root of `within2`:  */ \
     /* by the metric `upper`, or Euclidean where it is null. False where there are too few.     */ \
     bool find_neighbours(const SamplesAround& around, size_t axes, const float* centre,            \
@@ -49,9 +61,9 @@ struct NeighbourSums {
     NeighbourSums sum_neighbours(const SamplesAround& around, size_t axes, const float* centre,    \
                                  const std::array<const float*, 3>& rgb, std::uint32_t self,       \
                                  Neighbourhood& of);                                               \
-    /* Weighted mean of `numbers` values a sample, which lie together.                          */ \
-    void mean_of_neighbours(const SamplesAround& around, const float* values, size_t numbers,      \
-                            Neighbourhood& of, float* mean);                                       \
+    /* Weighted mean of tensors, `tensor_stride` apart.                                         */ \
+    void mean_of_neighbours(const SamplesAround& around, const float* tensors, size_t axes,        \
+                            const Neighbourhood& of, float* mean);                                 \
     }
 WEFT_NEIGHBOURHOOD(v2)
 WEFT_NEIGHBOURHOOD(v3)

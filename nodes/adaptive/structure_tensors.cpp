@@ -60,7 +60,7 @@ struct StructureTensors {
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 2)
+WEFT_NODE(StructureTensors, "structure-tensors", 3)
 
 }  // namespace
 }  // namespace weft

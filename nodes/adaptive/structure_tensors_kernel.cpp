@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adaptive/neighbourhood_kernel.h"
+#include "adaptive/with_axes.h"
 
 namespace weft::adaptive {
 namespace {
@@ -29,55 +30,56 @@ class Surroundings {
         within2_.resize(n);
     }
 
-    // work(i, around, neighbourhood) for each sample i, with about `count` neighbours: by metrics
-    // of `upper`, or Euclidean where it is empty.
+    // What work on one bucket after another needs.
+    struct Scratch {
+        SamplesAround of_bucket, of_sample;
+        Neighbourhood pooled, fitted, averaged;
+    };
+    // work(i, scratch) for each sample i, whose nearest ones by plain distance, as many as are ever
+    // looked at, are scratch.of_sample. The first time finds out how far that is.
     template <class Work>
-    void around_each(const std::vector<float>& upper, size_t count, Context& ctx, Work&& work) {
-        const size_t numbers = axes_ * (axes_ + 1) / 2, wanted = std::min(count, tree_.size()),
-                     pool = reached();
+    void around_each(Context& ctx, Work&& work) {
+        const bool known = known_;
         ctx.parallel(buckets_.size(), buckets_in_piece, [&](size_t begin, size_t end) {
-            SamplesAround around;
-            Neighbourhood found, pooled;
-            std::array<float, most_axes> centre{};
+            Scratch scratch;
             float reach = 1;
             for (size_t b = begin; b < end; ++b) {
                 const auto [first, last] = buckets_[b];
-                const auto at = [&](size_t i) {
-                    for (size_t d = 0; d < axes_; ++d) centre[d] = tree_.at(d)[i];
-                    return centre.data();
-                };
-                if (upper.empty()) {
-                    reach *= 0.9f;
-                    gather(b, reach, around);
-                    for (size_t i = first; i < last; ++i) {
-                        while (!WEFT_PICK(find_neighbours)(around, axes_, at(i), nullptr,
-                                                           reach * reach, pool, pooled)) {
-                            reach *= 1.3f;
-                            gather(b, reach, around);
-                        }
-                        within2_[i] = pooled.radius2;
-                    }
+                if (!known) {
+                    reach = measure(b, 0.9f * reach, scratch);
                 } else {
-                    float most = 0;
-                    for (size_t i = first; i < last; ++i) most = std::max(most, within2_[i]);
-                    gather(b, std::sqrt(most) * 1.0001f, around);
+                    const float most = *std::max_element(within2_.begin() + std::ptrdiff_t(first),
+                                                         within2_.begin() + std::ptrdiff_t(last));
+                    gather(b, std::sqrt(most) * 1.0001f, scratch.of_bucket);
                 }
-                found.guess = 0;
+                scratch.fitted.guess = scratch.averaged.guess = 0;
+                std::array<const float*, most_axes> at{};
+                for (size_t d = 0; d < axes_; ++d) at[d] = scratch.of_bucket.at[d].data();
                 for (size_t i = first; i < last; ++i) {
-                    WEFT_PICK(find_neighbours)
-                    (around, axes_, at(i), upper.empty() ? nullptr : &upper[numbers * i],
-                     within2_[i], wanted, found);
-                    work(i, around, found);
+                    const auto centre = place_of(i);
+                    scratch.of_sample.size = 0;
+                    WEFT_PICK(append_within)
+                    (at, scratch.of_bucket.place.data(), 0, scratch.of_bucket.size, axes_,
+                     centre.data(), centre.data(), within2_[i], scratch.of_sample);
+                    work(i, scratch);
                 }
             }
         });
+        known_ = true;
+    }
+
+    // About `count` neighbours by the metric `upper`, or by plain distance where it is null.
+    void find(size_t i, const float* upper, size_t count, const SamplesAround& around,
+              Neighbourhood& found) const {
+        WEFT_PICK(find_neighbours)
+        (around, axes_, place_of(i).data(), upper, within2_[i], std::min(count, tree_.size()),
+         found);
     }
 
     // Fits gradients, notes limits, and makes each sample's own tensor.
     void fit(size_t i, const SamplesAround& around, Neighbourhood& near, Variation& made,
              std::vector<float>& tensors) const {
-        std::array<float, most_axes> centre{};
-        for (size_t d = 0; d < axes_; ++d) centre[d] = tree_.at(d)[i];
+        const auto centre = place_of(i);
         const NeighbourSums sums =
             WEFT_PICK(sum_neighbours)(around, axes_, centre.data(), rgb_, std::uint32_t(i), near);
         float* gradient = &made.gradient[3 * axes_ * i];
@@ -86,8 +88,8 @@ class Surroundings {
             made.least[3 * i + c] = sums.least[c];
             made.most[3 * i + c] = sums.most[c];
         }
-        float* tensor = &tensors[axes_ * (axes_ + 1) / 2 * i];
-        std::fill_n(tensor, axes_ * (axes_ + 1) / 2, 0.0f);
+        float* tensor = &tensors[tensor_stride(axes_) * i];
+        std::fill_n(tensor, tensor_stride(axes_), 0.0f);
         if (!(near.radius2 > 0)) return;  // all in one place: nothing is known, and 0 says so
         const double w = double(sums.w);
         Matrix squares{};
@@ -130,35 +132,62 @@ class Surroundings {
     }
 
   private:
+    std::array<float, most_axes> place_of(size_t i) const {
+        std::array<float, most_axes> at{};
+        for (size_t d = 0; d < axes_; ++d) at[d] = tree_.at(d)[i];
+        return at;
+    }
+    // Finds how far samples of a bucket look; first within `reach` of it, then farther. How far it
+    // took.
+    float measure(size_t bucket, float reach, Scratch& scratch) {
+        gather(bucket, reach, scratch.of_bucket);
+        for (size_t i = buckets_[bucket].first; i < buckets_[bucket].second; ++i) {
+            const auto centre = place_of(i);
+            while (!WEFT_PICK(find_neighbours)(scratch.of_bucket, axes_, centre.data(), nullptr,
+                                               reach * reach, reached(), scratch.pooled)) {
+                reach *= 1.3f;
+                gather(bucket, reach, scratch.of_bucket);
+            }
+            within2_[i] = scratch.pooled.radius2;
+        }
+        return reach;
+    }
     void gather(size_t bucket, float reach, SamplesAround& around) const {
         const auto [first, last] = buckets_[bucket];
         std::array<float, most_axes> lo{}, hi{};
+        std::array<const float*, most_axes> at{};
         for (size_t d = 0; d < axes_; ++d) {
-            const auto [least, most] =
-                std::minmax_element(tree_.at(d).begin() + std::ptrdiff_t(first),
-                                    tree_.at(d).begin() + std::ptrdiff_t(last));
+            at[d] = tree_.at(d).data();
+            const auto [least, most] = std::minmax_element(at[d] + first, at[d] + last);
             lo[d] = *least, hi[d] = *most;
         }
-        for (size_t d = 0; d < axes_; ++d) around.at[d].clear();
-        around.place.clear();
-        tree_.visit(
-            [&](const float* from, const float* to, size_t) {
-                float off2 = 0;
-                for (size_t d = 0; d < axes_; ++d) {
-                    const float off = std::max({from[d] - hi[d], lo[d] - to[d], 0.0f});
-                    off2 += off * off;
-                }
-                return off2 <= reach * reach;
-            },
-            [&](size_t begin, size_t end) {
-                for (size_t d = 0; d < axes_; ++d)
-                    around.at[d].insert(around.at[d].end(),
-                                        tree_.at(d).begin() + std::ptrdiff_t(begin),
-                                        tree_.at(d).begin() + std::ptrdiff_t(end));
-                for (size_t i = begin; i < end; ++i) around.place.push_back(std::uint32_t(i));
-            });
-        around.size = around.place.size();
-        for (size_t d = 0; d < axes_; ++d) around.at[d].resize((around.size + 15) / 16 * 16, 1e18f);
+        around.size = 0;
+        const float reach2 = reach * reach;
+        // Runs that follow each other as one.
+        size_t begin = 0, end = 0;
+        const auto take = [&] {
+            WEFT_PICK(append_within)
+            (at, nullptr, begin, end, axes_, lo.data(), hi.data(), reach2, around);
+        };
+        with_axes(axes_, [&](auto axes) {
+            tree_.visit(
+                [&](const float* from, const float* to, size_t) {
+                    float off2 = 0;
+                    for (size_t d = 0; d < axes.value; ++d) {
+                        const float off = std::max(std::max(from[d] - hi[d], lo[d] - to[d]), 0.0f);
+                        off2 += off * off;
+                    }
+                    return off2 <= reach2;
+                },
+                [&](size_t first_of_run, size_t end_of_run) {
+                    if (first_of_run != end) {
+                        take();
+                        begin = first_of_run;
+                    }
+                    end = end_of_run;
+                });
+        });
+        take();
     }
 
     const PointTree& tree_;
@@ -168,6 +197,7 @@ class Surroundings {
     std::array<const float*, 3> rgb_{};
     std::vector<std::pair<size_t, size_t>> buckets_;
     std::vector<float> within2_;  // of each sample: how far it looks
+    bool known_ = false;          // whether that is found
 };
 
 // A metric without eigenvalues: the tensor, so much of its trace that none is below `floor`, over
@@ -197,7 +227,7 @@ Supports supports_of(const PointTree& tree, Context& ctx) {
     const std::vector<float> none(3 * tree.size());
     const TensorSettings settings;
     Surroundings samples(tree, none, settings);
-    samples.around_each({}, 1, ctx, [](size_t, const SamplesAround&, Neighbourhood&) {});
+    samples.around_each(ctx, [](size_t, Surroundings::Scratch&) {});
     return samples.supports();
 }
 
@@ -207,36 +237,43 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
     Variation made;
     made.gradient.resize(3 * axes * n);
     made.least.resize(3 * n), made.most.resize(3 * n);
-    std::vector<float> own(numbers * n), upper(numbers * n);
+    made.upper.resize(numbers * n);
+    std::vector<float> own(tensor_stride(axes) * n), next(own.size());
     Surroundings samples(tree, rgb, settings);
-    for (float floor = first_floor;; floor *= floor_of_round) {
-        const bool last = floor <= settings.floor * 1.001f || first_floor <= settings.floor;
-        const float here = last ? settings.floor : floor;
-        samples.around_each(made.upper, settings.neighbours + 1, ctx,
-                            [&](size_t i, const SamplesAround& around, Neighbourhood& near) {
-                                samples.fit(i, around, near, made, own);
-                            });
-        samples.around_each(made.upper, settings.averaged + 1, ctx,
-                            [&](size_t i, const SamplesAround& around, Neighbourhood& near) {
-                                std::array<float, most_axes*(most_axes + 1) / 2> mean{};
-                                WEFT_PICK(mean_of_neighbours)
-                                (around, own.data(), numbers, near, mean.data());
-                                if (!last) {
-                                    quick_metric(mean.data(), axes, here, &upper[numbers * i]);
-                                    return;
-                                }
-                                Matrix tensor{};
-                                size_t k = 0;
-                                for (size_t a = 0; a < axes; ++a)
-                                    for (size_t b = a; b < axes; ++b, ++k)
-                                        tensor[a][b] = tensor[b][a] = double(mean[k]);
-                                metric_of(tensor, axes, here, &upper[numbers * i]);
-                            });
-        made.upper = upper;
-        if (!last) continue;
-        made.supports = samples.supports();
-        return made;
+    const auto fit = [&](size_t i, const float* upper, Surroundings::Scratch& scratch,
+                         std::vector<float>& tensors) {
+        samples.find(i, upper, settings.neighbours + 1, scratch.of_sample, scratch.fitted);
+        samples.fit(i, scratch.of_sample, scratch.fitted, made, tensors);
+    };
+    samples.around_each(
+        ctx, [&](size_t i, Surroundings::Scratch& scratch) { fit(i, nullptr, scratch, own); });
+    // Each round averages the tensors of the one before and fits anew by what that says is near.
+    bool first = true, last = false;
+    for (float floor = first_floor; !last; floor *= floor_of_round, first = false) {
+        last = floor <= settings.floor * 1.001f || first_floor <= settings.floor;
+        samples.around_each(ctx, [&](size_t i, Surroundings::Scratch& scratch) {
+            float* upper = &made.upper[numbers * i];
+            samples.find(i, first ? nullptr : upper, settings.averaged + 1, scratch.of_sample,
+                         scratch.averaged);
+            std::array<float, most_axes*(most_axes + 1) / 2> mean{};
+            WEFT_PICK(mean_of_neighbours)
+            (scratch.of_sample, own.data(), axes, scratch.averaged, mean.data());
+            if (!last) {
+                quick_metric(mean.data(), axes, floor, upper);
+                fit(i, upper, scratch, next);
+                return;
+            }
+            Matrix tensor{};
+            size_t k = 0;
+            for (size_t a = 0; a < axes; ++a)
+                for (size_t b = a; b < axes; ++b, ++k)
+                    tensor[a][b] = tensor[b][a] = double(mean[k]);
+            metric_of(tensor, axes, settings.floor, upper);
+        });
+        std::swap(own, next);
     }
+    made.supports = samples.supports();
+    return made;
 }
 
 void metric_of(const Matrix& tensor, size_t n, float floor, float* upper) {
