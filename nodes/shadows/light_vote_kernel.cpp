@@ -6,7 +6,7 @@
 #include "light-field/grid_reach.h"
 #include "light-field/local_radius.h"
 #include "light-field/projected_entries.h"
-#include "shadows/planes.h"
+#include "shadows/plane_vectors.h"
 
 namespace weft::shadows::WEFT_ISA {
 namespace {
@@ -22,12 +22,10 @@ class Voting {
           at_(at),
           queries_(queries),
           bias_(bias),
+          planes_(view, at.u[0], at.v[0], bias),
           s_(scratch),
           out_(out) {
         lx_ = at.u[0], ly_ = at.v[0];
-        c0x_ = float(view.c0x()), c0y_ = float(view.c0y());
-        steepest_ = Planes::steepest / float(view.k);
-        px_ = 1 / float(view.k);
         lens_x_ = hits.lens.c0 * hits.lens.aspect, lens_y_ = hits.lens.c0;
         level_ = 1 / std::max({std::abs(lens_x_), std::abs(lens_y_), 1e-30f});
     }
@@ -115,20 +113,13 @@ class Voting {
     }
 
     // A location's receiver, as the light's point sees it.
-    struct Receiver {
-        float inverse;
-        Slope slope;
-    };
-    Receiver receiver(size_t l) const {
-        const float hx = queries_.slope_x[l], hy = queries_.slope_y[l];
-        const float divisor = 1 + c0x_ * hx * lx_ + c0y_ * hy * ly_;
-        if (!(std::abs(divisor) >= 0.1f)) return {queries_.inverse_depth[l], {}};
-        return {queries_.inverse_depth[l], {hx / divisor, hy / divisor}};
+    Seen receiver(size_t l) const {
+        return planes_.seen(queries_.inverse_depth[l], {queries_.slope_x[l], queries_.slope_y[l]});
     }
 
     // Brings together what is nearer to the light than a location's plane; n_ of them. Returns how
     // many samples are near.
-    size_t find_nearer(const Projection& p, size_t l, const Receiver& r) {
+    size_t find_nearer(const Projection& p, size_t l, const Seen& r) {
         const float ratio = at_.ratio.empty() ? 1.0f : at_.ratio[l],
                     radius = hits_.radius * ratio;
         const VF limit = hn::Set(f, radius * radius), x = hn::Set(f, at_.x[l]),
@@ -163,59 +154,43 @@ class Voting {
         return near;
     }
 
-    // Of those, a vector from i on: which stand before the receiver (Planes::before).
-    struct Before {
-        hn::Mask<F> which;
-        VF dx, dy, inverse, beside;  // 1/w; at the receiver, of its plane
+    // Of those, a vector from i on, and which of it stand before the receiver.
+    struct Nearer : PlaneVectors::Samples {
         VU sample;
+        PlaneVectors::Before before;
     };
-    HWY_INLINE Before before(const Hierarchy& h, size_t i, const Receiver& r) const {
-        const VF one = hn::Set(f, 1.0f);
+    HWY_INLINE Nearer nearer(const Hierarchy& h, size_t i, const Seen& r) const {
         const auto valid = hn::FirstN(f, n_ - i);
-        Before b;
-        b.dx = hn::LoadU(f, &s_.nearer.x[i]), b.dy = hn::LoadU(f, &s_.nearer.y[i]);
-        b.inverse = b.beside = hn::LoadU(f, &s_.nearer.inverse[i]);
-        b.sample =
+        Nearer s;
+        s.dx = hn::LoadU(f, &s_.nearer.x[i]), s.dy = hn::LoadU(f, &s_.nearer.y[i]);
+        s.inverse = hn::LoadU(f, &s_.nearer.inverse[i]);
+        s.sample =
             hn::IfThenElseZero(hn::RebindMask(un, valid), hn::LoadU(un, &s_.nearer.sample[i]));
-        if (!h.plane_x.empty()) {
-            // Planes::own.
-            const VI at = hn::BitCast(sn, b.sample);
-            const VF hx = hn::GatherIndex(f, h.plane_x.data(), at),
-                     hy = hn::GatherIndex(f, h.plane_y.data(), at);
-            const VF turn =
-                hn::Add(hn::Add(one, hn::Mul(hn::Mul(hn::Set(f, c0x_), hx), hn::Set(f, lx_))),
-                        hn::Mul(hn::Mul(hn::Set(f, c0y_), hy), hn::Set(f, ly_)));
-            const VF divisor = hn::Max(turn, hn::Set(f, 1e-6f));
-            const VF steep = hn::Div(hn::Sqrt(hn::Add(hn::Mul(hx, hx), hn::Mul(hy, hy))), divisor);
-            const VF most = hn::Mul(hn::Set(f, steepest_), b.inverse);
-            const VF scale =
-                hn::Div(hn::IfThenElse(hn::Gt(steep, most), hn::Div(most, steep), one), divisor);
-            b.beside = hn::Sub(b.inverse, hn::Add(hn::Mul(hn::Mul(hx, scale), b.dx),
-                                                  hn::Mul(hn::Mul(hy, scale), b.dy)));
+        const bool planes = !h.plane_x.empty();
+        s.plane_x = s.plane_y = hn::Zero(f);
+        if (planes) {
+            const VI at = hn::BitCast(sn, s.sample);
+            s.plane_x = hn::GatherIndex(f, h.plane_x.data(), at);
+            s.plane_y = hn::GatherIndex(f, h.plane_y.data(), at);
         }
-        const VF receiver = hn::Set(f, r.inverse),
-                 bend = hn::Mul(hn::Set(f, px_), hn::Sqrt(hn::Add(hn::Mul(b.dx, b.dx),
-                                                                  hn::Mul(b.dy, b.dy)))),
-                 limit = hn::Add(receiver, hn::Mul(hn::Add(hn::Set(f, bias_), bend), receiver));
-        const VF here = hn::Add(limit, hn::Add(hn::Mul(hn::Set(f, r.slope.x), b.dx),
-                                               hn::Mul(hn::Set(f, r.slope.y), b.dy)));
-        b.which = hn::And(valid, hn::And(hn::Lt(here, b.inverse), hn::Lt(limit, b.beside)));
-        return b;
+        s.before = planes_.before(r, s, planes);
+        s.before.which = hn::And(valid, s.before.which);
+        return s;
     }
 
     // What stops a location's light, should no ray pass it: stops_ on.
     void find_stops(size_t l) {
-        const Receiver r = receiver(l);
+        const Seen r = receiver(l);
         out_.votes[l] = std::uint32_t(find_nearer(s_.hits.projection, l, r));
         auto& stops = s_.stops;
         const size_t first = stops_;
         for (size_t i = 0; i < n_; i += lanes) {
-            const Before b = before(hits_, i, r);
+            const Nearer b = nearer(hits_, i, r);
             stops.grow(stops_ + 2 * lanes);
-            const Pack pack(b.which);
+            const Pack pack(b.before.which);
             pack.store(b.dx, &stops.x[stops_]);
             pack.store(b.dy, &stops.y[stops_]);
-            pack.store(b.beside, &stops.inverse[stops_]);
+            pack.store(b.before.beside, &stops.inverse[stops_]);
             stops_ += pack.count;
         }
         if (stops_ > first) out_.share[l] = 0;
@@ -223,7 +198,7 @@ class Voting {
 
     void ask_passes(size_t k) {
         const size_t l = s_.open[k], first = s_.first_stop[k], last = s_.first_stop[k + 1];
-        const Receiver r = receiver(l);
+        const Seen r = receiver(l);
         out_.votes[l] += std::uint32_t(find_nearer(s_.passes.projection, l, r));
         if (first == last || n_ == 0) return;
         auto& passing = s_.passing;
@@ -232,9 +207,9 @@ class Voting {
         const VF one = hn::Set(f, 1.0f);
         size_t count = 0;
         for (size_t i = 0; i < n_; i += lanes) {
-            const Before b = before(passes_, i, r);
+            const Nearer b = nearer(passes_, i, r);
             const VF end = hn::GatherIndex(f, passes_.end.data(), hn::BitCast(sn, b.sample));
-            const Pack pack(b.which);
+            const Pack pack(b.before.which);
             pack.store(b.dx, &passing.x[count]);
             pack.store(b.dy, &passing.y[count]);
             pack.store(b.inverse, &passing.inverse[count]);
@@ -304,10 +279,10 @@ class Voting {
     const Locations& at_;
     const ShadowQueries& queries_;
     const float bias_;
+    const PlaneVectors planes_;
     LightVoteScratch& s_;
     LightShares& out_;
-    float lx_ = 0, ly_ = 0, c0x_ = 0, c0y_ = 0, steepest_ = 0, px_ = 0, lens_x_ = 0, lens_y_ = 0,
-          level_ = 0;
+    float lx_ = 0, ly_ = 0, lens_x_ = 0, lens_y_ = 0, level_ = 0;
     float reach_ = 0, cell_ = 0;  // px
     size_t pitch_ = 0;            // of the grid
     size_t n_ = 0, stops_ = 0;    // places in `nearer` and `stops`

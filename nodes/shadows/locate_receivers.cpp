@@ -24,18 +24,19 @@ struct LocateReceivers {
             .out<ShadowQueries>("queries", "the receivers' depths there")
             .param("seed", &LocateReceivers::seed, {.about = "of the light's points"});
     }
-    void batch(const Inputs& in, Outputs& out) const {
+    using Scratch = shadows::ReceiverBatch;
+    void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const shadows::Receivers receivers(in.get<Hierarchy>("hierarchy"),
                                            in.get<Samples>("samples"),
                                            in.get<LightView>("light-view"));
         receivers.locate(
             seed, in.get<Locations>("locations"), in.get<SeenSamples>("seen").sample,
-            [&](std::uint32_t s) { return receivers.of(s); }, out.get<Locations>("locations"),
+            [&](std::uint32_t s) { return receivers.of(s); }, scratch, out.get<Locations>("locations"),
             out.get<ShadowQueries>("queries"));
     }
 };
 
-WEFT_NODE(LocateReceivers, "locate-receivers", 2)
+WEFT_NODE(LocateReceivers, "locate-receivers", 3)
 
 }  // namespace
 }  // namespace weft

@@ -7,7 +7,18 @@
 #include "light-field/local_radius.h"
 #include "light-field/sample_order.h"
 #include "light-field/streams.h"
+#include "shadows/gather_before_kernel.h"
 #include "shadows/planes.h"
+
+namespace weft::light_field {
+namespace {
+
+void tell_surfaces(const Candidates& of, ClusterScratch& scratch, Surfaces& out) {
+    WEFT_PICK(cluster)(of, {}, scratch, out);
+}
+
+}  // namespace
+}  // namespace weft::light_field
 
 namespace weft::shadows {
 namespace {
@@ -64,10 +75,24 @@ class Finder {
   public:
     Finder(const Hierarchy& hits, std::span<const float> density, const LightView& view,
            const PassingRays& set)
-        : rays_(hits), density_(density), planes_(hits, view), set_(set) {}
+        : rays_(hits), density_(density), planes_(hits, view), view_(view), set_(set) {
+        // Of each group the greatest 1/w over the shutter.
+        nearest_.resize(hits.groups.size());
+        for (size_t g = 0; g < nearest_.size(); ++g) {
+            float most = 0;
+            const size_t begin = g * Hierarchy::group_size,
+                         end = std::min(begin + Hierarchy::group_size, hits.size());
+            for (size_t s = begin; s < end; ++s) {
+                const float w = hits.W[s] - 0.5f * std::abs(hits.velocity(s).w);
+                most = std::max(most, w > 0 ? 1 / w : 1e30f);
+            }
+            nearest_[g] = most;
+        }
+    }
 
     struct Scratch {
         Locations at;
+        ShadowQueries ends;
         light_field::Block block;
         Candidates candidates;
         Surfaces surfaces;
@@ -76,19 +101,17 @@ class Finder {
 
     // Appends what the rays of samples `of` pass.
     void find(std::span<const std::uint32_t> of, Scratch& scratch, std::vector<Pass>& found) const {
-        using namespace light_field;
         const Hierarchy& h = planes_.hierarchy();
         Locations& at = scratch.at;
-        ask(of, at);
+        ask(of, at, scratch.ends);
         const float radius = set_.radius_scale * light_field::largest_radius(h, at);
         light_field::collect(h, at.x0, at.y0, at.x1, at.y1, radius, scratch.block);
         for (Batch* batch : std::initializer_list<Batch*>{&scratch.candidates, &scratch.surfaces})
             batch->pixels = at.pixels;
         Candidates& c = scratch.candidates;
-        WEFT_PICK(gather_each)(h, scratch.block, at, radius, c);
-        light_field::narrow(set_.radius_scale, at, c);
-        keep_before(of, c);
-        WEFT_PICK(cluster)(c, {}, scratch.cluster, scratch.surfaces);
+        WEFT_PICK(gather_before)
+        (h, scratch.block, nearest_, view_, at, scratch.ends, set_.radius_scale, set_.bias, c);
+        light_field::tell_surfaces(c, scratch.cluster, scratch.surfaces);
         // Of each surface the sample that lands nearest.
         for (size_t l = 0; l < of.size(); ++l)
             for (std::uint16_t k = 0; k < scratch.surfaces.count_of[l]; ++k) {
@@ -107,11 +130,13 @@ class Finder {
     }
 
   private:
-    // The rays as places on the film.
-    void ask(std::span<const std::uint32_t> of, Locations& at) const {
+    // The rays as places on the film, and what they meet.
+    void ask(std::span<const std::uint32_t> of, Locations& at, ShadowQueries& ends) const {
         const Hierarchy& h = planes_.hierarchy();
         const size_t n = of.size();
-        for (auto* values : {&at.x, &at.y, &at.u, &at.v, &at.t}) values->resize(n);
+        for (auto* values : {&at.x, &at.y, &at.u, &at.v, &at.t, &ends.inverse_depth,
+                             &ends.slope_x, &ends.slope_y})
+            values->resize(n);
         at.ratio.resize(density_.empty() ? 0 : n);
         at.own_pixels.assign(n, 0);
         at.pixels = at.own_pixels;
@@ -121,6 +146,9 @@ class Finder {
             const Rays::Ray ray = rays_[of[l]];
             at.x[l] = ray.x, at.y[l] = ray.y;
             at.u[l] = ray.u, at.v[l] = ray.v, at.t[l] = ray.t;
+            const Slope slope = planes_.slope(of[l]);
+            ends.inverse_depth[l] = 1 / ray.depth;
+            ends.slope_x[l] = slope.x, ends.slope_y[l] = slope.y;
             if (!density_.empty()) at.ratio[l] = std::sqrt(density_[h.source[h.order[of[l]]]]);
             x0 = std::min(x0, at.x[l]), x1 = std::max(x1, at.x[l]);
             y0 = std::min(y0, at.y[l]), y1 = std::max(y1, at.y[l]);
@@ -128,30 +156,12 @@ class Finder {
         at.x0 = int(std::floor(x0)), at.y0 = int(std::floor(y0));
         at.x1 = int(std::floor(x1)) + 1, at.y1 = int(std::floor(y1)) + 1;
     }
-    // Leaves each ray the samples whose surfaces stand before its hit.
-    void keep_before(std::span<const std::uint32_t> of, Candidates& c) const {
-        std::uint32_t kept = 0;
-        for (size_t l = 0; l < of.size(); ++l) {
-            const float lx = c.u_of(l), ly = c.v_of(l), d = c.t_of(l) - 0.5f;
-            const Seen hit{1 / planes_.depth_at(of[l], d),
-                           planes_.from(planes_.slope(of[l]), lx, ly)};
-            const std::uint32_t begin = std::exchange(c.offset[l], kept);
-            const std::uint32_t end = c.offset[l + 1];
-            for (std::uint32_t i = begin; i < end; ++i) {
-                if (!planes_.before(hit, c.sample[i], c.dx[i], c.dy[i], lx, ly, d,
-                                    DepthTest::both_planes, set_.bias))
-                    continue;
-                c.dx[kept] = c.dx[i], c.dy[kept] = c.dy[i], c.sample[kept] = c.sample[i];
-                ++kept;
-            }
-        }
-        c.offset[of.size()] = kept;
-    }
-
     const Rays rays_;
     const std::span<const float> density_;
     const Planes planes_;
+    const LightView& view_;
     const PassingRays set_;
+    LargeArray<float> nearest_;
 };
 
 // As samples, in order.

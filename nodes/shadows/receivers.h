@@ -6,13 +6,40 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graph/error.h"
 #include "light-field/location_number.h"
 #include "light-field/points.h"
 #include "light-field/streams.h"
+#include "runtime/isa.h"
 #include "shadows/light_view.h"
 #include "shadows/streams.h"
 
 namespace weft::shadows {
+
+// What the receivers of a batch are, location by location, in light space; w is 0 where nothing is
+// asked. The arrays are longer than needed, for whole vectors.
+struct ReceiverBatch {
+    std::vector<float> x, y, w, normal_x, normal_y, normal_w, ratio;
+    std::vector<float> u, v;  // the light's point; empty: that of the whole batch
+
+    void resize(size_t n, bool own_points) {
+        constexpr size_t spare = 16;
+        for (auto* values : {&x, &y, &w, &normal_x, &normal_y, &normal_w, &ratio})
+            values->resize(n + spare);
+        for (auto* values : {&u, &v}) values->resize(own_points ? n + spare : 0);
+    }
+};
+
+// Where these are on the film: x, y, the pixels around, and ratio where it has any; and how deep,
+// and how their planes rise (ShadowQueries). What lies outside is not asked, and lies with others.
+#define WEFT_RECEIVER_KERNELS(isa)                                                            \
+    namespace isa {                                                                           \
+    void look_from_light(const LightView& view, const ReceiverBatch& receivers, Locations& at, \
+                         ShadowQueries& ask);                                                 \
+    }
+WEFT_RECEIVER_KERNELS(v2)
+WEFT_RECEIVER_KERNELS(v3)
+WEFT_RECEIVER_KERNELS(v4)
 
 // What a sample of the camera shows, in light space.
 struct Receiver {
@@ -71,61 +98,39 @@ class Receivers {
     // the light, how deep. `receiver(s)` is of(s).
     template <class Of>
     void locate(std::uint64_t seed, const Locations& from, std::span<const std::uint32_t> seen,
-                Of&& receiver, Locations& at, ShadowQueries& ask) const {
+                Of&& receiver, ReceiverBatch& batch, Locations& at, ShadowQueries& ask) const {
         const size_t n = from.size();
         start(seed, from, n, at);
-        for (auto* values : {&ask.inverse_depth, &ask.slope_x, &ask.slope_y}) values->assign(n, 0);
+        batch.resize(n, !at.shared);
         ask.sample.assign(n, SeenSamples::none);
         ask.outside = 0;
-        at.ratio.assign(ratios() ? n : 0, 1);
-        float x0 = 1e30f, y0 = 1e30f, x1 = -1e30f, y1 = -1e30f;
+        at.ratio.resize(ratios() ? n : 0);
         for (size_t l = 0; l < n; ++l) {
+            batch.w[l] = 0;
             if (seen[l] == SeenSamples::none) continue;
             const Receiver& r = receiver(seen[l]);
             ask.sample[l] = r.sample;
             if (r.sample == SeenSamples::none) continue;
-            const double t = double(from.t_of(l));
-            const Point3 p{double(r.open[0]) + t * double(r.way[0]),
-                           double(r.open[1]) + t * double(r.way[1]),
-                           double(r.open[2]) + t * double(r.way[2])};
-            if (!(p.z > 0)) {
-                ask.outside += view_.shines_behind() && p.z < -view_.nearest;
+            const float t = from.t_of(l);
+            batch.x[l] = r.open[0] + t * r.way[0];
+            batch.y[l] = r.open[1] + t * r.way[1];
+            batch.w[l] = r.open[2] + t * r.way[2];
+            batch.normal_x[l] = r.normal[0];
+            batch.normal_y[l] = r.normal[1];
+            batch.normal_w[l] = r.normal[2];
+            batch.ratio[l] = r.ratio;
+            if (!(batch.w[l] > 0)) {
+                ask.outside +=
+                    view_.shines_behind() && double(batch.w[l]) < -view_.nearest;
                 continue;
             }
-            if (!at.shared) {
-                const auto on_light =
-                    view_.point(number(seed, from, l, 0), number(seed, from, l, 1), p);
-                at.u[l] = float(on_light[0]), at.v[l] = float(on_light[1]);
-            }
-            const double inverse = 1 / p.z;
-            const float x = float(view_.cx + view_.k * p.x * inverse +
-                                  (view_.c0x() * inverse + view_.c1x()) * double(at.u_of(l))),
-                        y = float(view_.cy + view_.k * p.y * inverse +
-                                  (view_.c0y() * inverse + view_.c1y()) * double(at.v_of(l)));
-            if (!(x >= 0 && x < float(view_.width) && y >= 0 && y < float(view_.height))) {
-                ++ask.outside;
-                continue;
-            }
-            at.x[l] = x, at.y[l] = y;
-            x0 = std::min(x0, x), x1 = std::max(x1, x);
-            y0 = std::min(y0, y), y1 = std::max(y1, y);
-            ask.inverse_depth[l] = float(inverse);
-            // 1/w over the film, of the plane through p (LightView::inverse_depth_gradient).
-            const double plane =
-                double(r.normal[0]) * p.x + double(r.normal[1]) * p.y + double(r.normal[2]) * p.z;
-            if (std::abs(plane) > 1e-3 * p.z) {
-                const double scale = 1 / (view_.k * plane);
-                ask.slope_x[l] = float(double(r.normal[0]) * scale);
-                ask.slope_y[l] = float(double(r.normal[1]) * scale);
-            }
-            if (ratios()) at.ratio[l] = r.ratio;
+            if (at.shared) continue;
+            const auto on_light = view_.point(
+                number(seed, from, l, 0), number(seed, from, l, 1),
+                {double(batch.x[l]), double(batch.y[l]), double(batch.w[l])});
+            batch.u[l] = at.u[l] = float(on_light[0]), batch.v[l] = at.v[l] = float(on_light[1]);
         }
-        // What is not asked lies where the others do, and costs next to nothing.
-        if (x1 < x0) x0 = y0 = x1 = y1 = 0;
-        for (size_t l = 0; l < n; ++l)
-            if (ask.inverse_depth[l] == 0) at.x[l] = x0, at.y[l] = y0;
-        at.x0 = int(std::floor(x0)), at.y0 = int(std::floor(y0));
-        at.x1 = int(std::floor(x1)) + 1, at.y1 = int(std::floor(y1)) + 1;
+        WEFT_PICK(look_from_light)(view_, batch, at, ask);
     }
 
   private:

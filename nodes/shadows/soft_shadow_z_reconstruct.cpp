@@ -49,6 +49,7 @@ struct SoftShadowZReconstruct {
         std::vector<Receiver> receivers;
         std::vector<std::uint32_t> held;  // whose they are
         const Hierarchy* of = nullptr;
+        ReceiverBatch batch;
         Locations at;
         ShadowQueries unread;
         LightVoteScratch vote;
@@ -76,7 +77,7 @@ struct SoftShadowZReconstruct {
                     s.held[place] = sample, s.receivers[place] = receivers.of(sample);
                 return s.receivers[place];
             },
-            s.at, queries);
+            s.batch, s.at, queries);
         const RayVoteAround around(hits, passes, view, {test, bias});
         if (s.at.shared)
             WEFT_PICK(light_vote)(hits, passes, view, s.at, queries, bias, s.vote, shares);

@@ -1,0 +1,78 @@
+// Planes::before of many samples at once. For kernels (weft_kernels).
+#pragma once
+#include <cmath>
+
+#include "light-field/simd.h"
+#include "shadows/planes.h"
+
+namespace weft::shadows::WEFT_ISA {
+using namespace light_field::WEFT_ISA;
+
+// As the light's point (lx, ly) sees planes.
+class PlaneVectors {
+  public:
+    PlaneVectors(const LightView& view, float lx, float ly, float bias)
+        : lx_(lx),
+          ly_(ly),
+          c0x_(float(view.c0x())),
+          c0y_(float(view.c0y())),
+          steepest_(Planes::steepest / float(view.k)),
+          px_(1 / float(view.k)),
+          bias_(bias) {}
+
+    // A receiver, given the slope of 1/w from l = 0.
+    Seen seen(float inverse, Slope h) const {
+        const float divisor = 1 + c0x_ * h.x * lx_ + c0y_ * h.y * ly_;
+        if (!(std::abs(divisor) >= 0.1f)) return {inverse, {}};
+        return {inverse, {h.x / divisor, h.y / divisor}};
+    }
+
+    // Samples (dx, dy) px from a receiver: 1/w there, and the slopes of their planes from l = 0.
+    struct Samples {
+        VF dx, dy, inverse, plane_x, plane_y;
+    };
+    // Which stand before it, by both planes; and 1/w of their planes at the receiver.
+    struct Before {
+        hn::Mask<F> which;
+        VF beside;
+    };
+    HWY_INLINE Before before(const Seen& receiver, const Samples& s, bool planes) const {
+        const VF one = hn::Set(f, 1.0f);
+        Before out;
+        out.beside = s.inverse;
+        if (planes) {
+            // Planes::own.
+            const VF turn = hn::Add(
+                hn::Add(one, hn::Mul(hn::Mul(hn::Set(f, c0x_), s.plane_x), hn::Set(f, lx_))),
+                hn::Mul(hn::Mul(hn::Set(f, c0y_), s.plane_y), hn::Set(f, ly_)));
+            const VF divisor = hn::Max(turn, hn::Set(f, 1e-6f));
+            const VF steep =
+                hn::Div(hn::Sqrt(hn::Add(hn::Mul(s.plane_x, s.plane_x),
+                                         hn::Mul(s.plane_y, s.plane_y))),
+                        divisor);
+            const VF most = hn::Mul(hn::Set(f, steepest_), s.inverse);
+            const VF scale =
+                hn::Div(hn::IfThenElse(hn::Gt(steep, most), hn::Div(most, steep), one), divisor);
+            out.beside = hn::Sub(s.inverse, hn::Add(hn::Mul(hn::Mul(s.plane_x, scale), s.dx),
+                                                    hn::Mul(hn::Mul(s.plane_y, scale), s.dy)));
+        }
+        const VF own = hn::Set(f, receiver.inverse),
+                 bend = hn::Mul(hn::Set(f, px_), hn::Sqrt(hn::Add(hn::Mul(s.dx, s.dx),
+                                                                  hn::Mul(s.dy, s.dy)))),
+                 limit = hn::Add(own, hn::Mul(hn::Add(hn::Set(f, bias_), bend), own));
+        const VF here = hn::Add(limit, hn::Add(hn::Mul(hn::Set(f, receiver.slope.x), s.dx),
+                                               hn::Mul(hn::Set(f, receiver.slope.y), s.dy)));
+        out.which = hn::And(hn::Lt(here, s.inverse), hn::Lt(limit, out.beside));
+        return out;
+    }
+    // 1/w that a sample has to exceed, to be before a receiver within a radius of it.
+    float least(const Seen& receiver, float radius) const {
+        const float steep = std::hypot(receiver.slope.x, receiver.slope.y);
+        return receiver.inverse - std::max(0.0f, steep - px_ * receiver.inverse) * radius;
+    }
+
+  private:
+    float lx_, ly_, c0x_, c0y_, steepest_, px_, bias_;
+};
+
+}  // namespace weft::shadows::WEFT_ISA
