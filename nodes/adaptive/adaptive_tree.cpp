@@ -93,6 +93,11 @@ double leaf_error(std::span<const float> rgb, double volume, Contrast contrast) 
     return volume * (sum + 1e-5);
 }
 
+float plane_between(std::span<const float> along) {
+    const size_t left = along.size() / 2;
+    return 0.5f * (along[left - 1] + along[left]);
+}
+
 // Rows and columns of cells are shifted from one slab (of the axes behind x and y) to the next:
 // what a cell leaves unresolved at its sides then averages out over the slabs, where sides in line
 // would add up.
@@ -265,10 +270,11 @@ bool Tree::cut(size_t l) {
         std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
             return at(d, a) != at(d, b) ? at(d, a) < at(d, b) : a < b;
         });
-        const size_t left = sorted.size() / 2;
-        const float below = at(d, sorted[left - 1]), above = at(d, sorted[left]);
-        const float plane = 0.5f * (below + above);
-        if (!(plane > below) || plane - leaves_[l].lo[d] < least ||
+        std::array<float, most_samples> along;
+        for (size_t i = 0; i < n; ++i) along[i] = at(d, sorted[i]);
+        const size_t left = n / 2;
+        const float plane = plane_between(std::span(along).first(n));
+        if (!(plane > along[left - 1]) || plane - leaves_[l].lo[d] < least ||
             leaves_[l].hi[d] - plane < least)
             continue;
         Leaf other;

@@ -31,6 +31,10 @@ struct TreeSettings {
 // contrast.
 double leaf_error(std::span<const float> rgb, double volume, Contrast contrast);
 
+// Where a box is cut, by its samples' numbers along an axis, ascending: between the last of the
+// first half and the next. Not above the former where both are equal.
+float plane_between(std::span<const float> along);
+
 class Tree {
   public:
     // Initial cells for about `initial_samples`; for no more than half the budget, if it can be.

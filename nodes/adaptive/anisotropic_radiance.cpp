@@ -49,6 +49,7 @@ void AnisotropicRadiance::mix(const float* place, size_t i, Scratch& scratch, fl
 void AnisotropicRadiance::radiance(size_t in_tree, const float* place, float* to) const {
     std::copy_n(&rgb_[3 * size_t(metrics_.tree->order()[in_tree])], 3, to);
     if (blend_ != Blend::linear || metrics_.gradient.empty()) return;
+    if (!metrics_.radiance.empty()) std::copy_n(&metrics_.radiance[3 * in_tree], 3, to);
     with_axes(metrics_.dimensions(), [&](auto axes) {
         constexpr size_t n = axes.value;
         const float* gradient = &metrics_.gradient[3 * n * in_tree];

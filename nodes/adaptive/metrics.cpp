@@ -28,6 +28,7 @@ void Metrics::vary(std::span<const float> rgb, const adaptive::TensorSettings& s
     gradient = std::move(found.gradient);
     least = std::move(found.least);
     most = std::move(found.most);
+    radiance = std::move(found.radiance);
     supports = std::move(found.supports);
 }
 

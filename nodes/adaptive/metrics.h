@@ -18,13 +18,14 @@ struct Metrics {
     std::vector<float> upper;        // upper triangle by rows, determinant 1
     std::vector<float> gradient;     // 3 x D, radiance per px; empty: not known
     std::vector<float> least, most;  // 3: between what radiance stays nearby
+    std::vector<float> radiance;     // 3, with noise taken off; empty: the samples' own
     adaptive::Supports supports;     // how far each counts
 
     size_t dimensions() const { return space.axes.size(); }
     size_t size() const { return tree ? tree->size() : 0; }
     size_t numbers() const { return dimensions() * (dimensions() + 1) / 2; }  // of a sample
     size_t bytes() const {
-        return 4 * (upper.size() + gradient.size() + least.size() + most.size() +
+        return 4 * (upper.size() + gradient.size() + least.size() + most.size() + radiance.size() +
                     supports.squared.size() + size() * (dimensions() + 1));
     }
     void count(Items& items) const { items.add("samples", size()); }

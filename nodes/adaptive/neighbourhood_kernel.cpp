@@ -219,22 +219,22 @@ void append(const std::array<const float*, most_axes>& at, const std::uint32_t* 
 }
 
 template <int axes>
-void mean(const SamplesAround& around, const float* tensors, const Neighbourhood& of, float* to) {
+void mean(const SamplesAround& around, const float* values, const Neighbourhood& of, float* to) {
     const hn::CappedTag<float, 8> part;
-    constexpr size_t width = hn::MaxLanes(part), parts = tensor_stride(axes) / width;
+    constexpr size_t width = hn::MaxLanes(part), parts = averaged_stride(axes) / width;
     hn::Vec<decltype(part)> sum[parts];
     for (auto& s : sum) s = hn::Zero(part);
     float all = 0;
     for (size_t k = 0; k < of.near.size(); ++k) {
-        const float* from = tensors + tensor_stride(axes) * around.place[of.near[k]];
+        const float* from = values + averaged_stride(axes) * around.place[of.near[k]];
         const auto weight = hn::Set(part, of.weight[k]);
         all += of.weight[k];
         for (size_t p = 0; p < parts; ++p)
             sum[p] = hn::MulAdd(weight, hn::LoadU(part, from + p * width), sum[p]);
     }
-    float sums[tensor_stride(axes)];
+    float sums[averaged_stride(axes)];
     for (size_t p = 0; p < parts; ++p) hn::StoreU(sum[p], part, sums + p * width);
-    for (size_t i = 0; i < axes * (axes + 1) / 2; ++i) to[i] = sums[i] / all;
+    for (size_t i = 0; i < averaged_numbers(axes); ++i) to[i] = sums[i] / all;
 }
 
 }  // namespace
@@ -257,9 +257,9 @@ void append_within(const std::array<const float*, most_axes>& at, const std::uin
     with_axes(axes, [&](auto n) { append<n.value>(at, place, begin, end, lo, hi, reach2, to); });
 }
 
-void mean_of_neighbours(const SamplesAround& around, const float* tensors, size_t axes,
+void mean_of_neighbours(const SamplesAround& around, const float* values, size_t axes,
                         const Neighbourhood& of, float* to) {
-    with_axes(axes, [&](auto n) { mean<n.value>(around, tensors, of, to); });
+    with_axes(axes, [&](auto n) { mean<n.value>(around, values, of, to); });
 }
 
 }  // namespace weft::adaptive::WEFT_ISA

@@ -20,9 +20,13 @@ struct SamplesAround {
     size_t size = 0;                               // without padding
 };
 
-// Numbers from one sample's tensor to the next one's: its D (D + 1) / 2, in whole vectors.
-constexpr size_t tensor_stride(size_t axes) {
-    return (axes * (axes + 1) / 2 + 7) / 8 * 8;
+// Numbers of a sample that are averaged: D (D + 1) / 2 of a tensor and two more. And from one
+// sample's to the next one's, in whole vectors.
+constexpr size_t averaged_numbers(size_t axes) {
+    return axes * (axes + 1) / 2 + 2;
+}
+constexpr size_t averaged_stride(size_t axes) {
+    return (averaged_numbers(axes) + 7) / 8 * 8;
 }
 
 // A sample's neighbours, itself among them.
@@ -61,8 +65,8 @@ struct NeighbourSums {
     NeighbourSums sum_neighbours(const SamplesAround& around, size_t axes, const float* centre,    \
                                  const std::array<const float*, 3>& rgb, std::uint32_t self,       \
                                  Neighbourhood& of);                                               \
-    /* Weighted mean of tensors, `tensor_stride` apart.                                         */ \
-    void mean_of_neighbours(const SamplesAround& around, const float* tensors, size_t axes,        \
+    /* Weighted mean of each of averaged_numbers.                                               */ \
+    void mean_of_neighbours(const SamplesAround& around, const float* values, size_t axes,         \
                             const Neighbourhood& of, float* mean);                                 \
     }
 WEFT_NEIGHBOURHOOD(v2)

@@ -13,6 +13,7 @@ using namespace adaptive;
 struct StructureTensors {
     int neighbours = 24, averaged = 96;
     float floor = 0.001f, ridge = 1e-6f;
+    bool smooth = true;
 
     static void declare(Ports<StructureTensors>& node) {
         node.about(
@@ -44,7 +45,10 @@ struct StructureTensors {
             .param("ridge", &StructureTensors::ridge,
                    {.min = 0,
                     .max = 1,
-                    .about = "holds gradients down where neighbours lie in a plane"});
+                    .about = "holds gradients down where neighbours lie in a plane"})
+            .param("smooth", &StructureTensors::smooth,
+                   {.about = "what no axis explains is taken off radiance, as far as that predicts "
+                             "samples better than the nearest ones do; of blend linear"});
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
@@ -54,13 +58,13 @@ struct StructureTensors {
         Metrics metrics = metrics_over(samples, leaves, "structure-tensors");
         metrics.vary(samples.rgb(),
                      {std::max(size_t(neighbours), 3 * metrics.dimensions()), size_t(averaged),
-                      floor, ridge},
+                      floor, ridge, smooth},
                      ctx);
         out.set("tensors", std::move(metrics));
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 3)
+WEFT_NODE(StructureTensors, "structure-tensors", 4)
 
 }  // namespace
 }  // namespace weft

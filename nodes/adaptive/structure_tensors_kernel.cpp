@@ -87,9 +87,10 @@ class Surroundings {
         for (size_t c = 0; c < 3; ++c) {
             made.least[3 * i + c] = sums.least[c];
             made.most[3 * i + c] = sums.most[c];
+            made.radiance[3 * i + c] = 0;
         }
-        float* tensor = &tensors[tensor_stride(axes_) * i];
-        std::fill_n(tensor, tensor_stride(axes_), 0.0f);
+        float* tensor = &tensors[averaged_stride(axes_) * i];
+        std::fill_n(tensor, averaged_stride(axes_), 0.0f);
         if (!(near.radius2 > 0)) return;  // all in one place: nothing is known, and 0 says so
         const double w = double(sums.w);
         Matrix squares{};
@@ -100,6 +101,15 @@ class Surroundings {
         for (size_t a = 0; a < axes_; ++a)
             squares[a][a] += double(settings_.ridge) * double(near.radius2);
         factor(squares, axes_);
+        const Closest closest = closest_of(i, around, near);
+        // How much of the fit at the sample's place is its own doing; its weight is 1.
+        std::array<double, most_axes> middle{};
+        for (size_t a = 0; a < axes_; ++a) middle[a] = double(sums.d[a]) / w;
+        std::array<double, most_axes> turned = middle;
+        solve_factored(squares, axes_, turned);
+        double own_part = 1 / w;
+        for (size_t a = 0; a < axes_; ++a) own_part += middle[a] * turned[a];
+        const double others = std::max(1 - own_part, 1e-3);
         for (size_t c = 0; c < 3; ++c) {
             std::array<double, most_axes> slope{};
             for (size_t a = 0; a < axes_; ++a)
@@ -114,6 +124,23 @@ class Surroundings {
                 for (size_t b = a; b < axes_; ++b, ++at)
                     tensor[at] += float(slope[a] * slope[b] / (level * level));
             }
+            // What is fitted here, and what others say, by the fit and by the closest ones: all as
+            // differences to the sample's radiance.
+            double fitted = double(sums.f[c]) / w;
+            for (size_t a = 0; a < axes_; ++a) fitted -= slope[a] * middle[a];
+            made.radiance[3 * i + c] = float(fitted);
+            const double by_fit = fitted / others;
+            double by_closest = 0;
+            for (size_t n = 0; n < closest.size; ++n) {
+                const size_t j = closest.near[n];
+                double said = double(rgb_[c][around.place[j]]) - double(rgb_[c][i]);
+                for (size_t a = 0; a < axes_; ++a)
+                    said -= slope[a] * double(around.at[a][j] - centre[a]);
+                by_closest += closest.weight[n] * said;
+            }
+            const double more = (by_fit - by_closest) / (level * level);
+            tensor[at] += float(-by_closest * more);
+            tensor[at + 1] += float((by_fit - by_closest) * more);
         }
     }
 
@@ -132,6 +159,39 @@ class Surroundings {
     }
 
   private:
+    // The three nearest of a sample's neighbours, by how much nearer they are than the next; the
+    // weights' sum is 1.
+    struct Closest {
+        size_t size = 0;
+        std::array<std::uint32_t, 3> near{};
+        std::array<double, 3> weight{};
+    };
+    static Closest closest_of(size_t i, const SamplesAround& around, const Neighbourhood& of) {
+        std::array<float, 4> distance2;
+        std::array<std::uint32_t, 4> near{};
+        size_t n = 0;
+        for (const std::uint32_t j : of.near) {
+            if (around.place[j] == i) continue;
+            const float here = of.distance2[j];
+            size_t k = n < 4 ? n++ : 4;
+            for (; k > 0 && here < distance2[k - 1]; --k)
+                if (k < 4) distance2[k] = distance2[k - 1], near[k] = near[k - 1];
+            if (k < 4) distance2[k] = here, near[k] = j;
+        }
+        Closest found;
+        found.size = std::min<size_t>(3, n);
+        if (n == 0) return found;
+        const double far = std::sqrt(double(distance2[n - 1])) * (n == 4 ? 1 : 2);
+        double sum = 0;
+        for (size_t k = 0; k < found.size; ++k) {
+            found.near[k] = near[k];
+            found.weight[k] = far > 0 ? 1 - std::sqrt(double(distance2[k])) / far : 1;
+            sum += found.weight[k];
+        }
+        for (double& weight : found.weight)
+            weight = sum > 0 ? weight / sum : 1.0 / double(found.size);
+        return found;
+    }
     std::array<float, most_axes> place_of(size_t i) const {
         std::array<float, most_axes> at{};
         for (size_t d = 0; d < axes_; ++d) at[d] = tree_.at(d)[i];
@@ -236,9 +296,9 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
     const size_t n = tree.size(), axes = tree.dimensions(), numbers = axes * (axes + 1) / 2;
     Variation made;
     made.gradient.resize(3 * axes * n);
-    made.least.resize(3 * n), made.most.resize(3 * n);
+    made.least.resize(3 * n), made.most.resize(3 * n), made.radiance.resize(3 * n);
     made.upper.resize(numbers * n);
-    std::vector<float> own(tensor_stride(axes) * n), next(own.size());
+    std::vector<float> own(averaged_stride(axes) * n), next(own.size());
     Surroundings samples(tree, rgb, settings);
     const auto fit = [&](size_t i, const float* upper, Surroundings::Scratch& scratch,
                          std::vector<float>& tensors) {
@@ -255,7 +315,7 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
             float* upper = &made.upper[numbers * i];
             samples.find(i, first ? nullptr : upper, settings.averaged + 1, scratch.of_sample,
                          scratch.averaged);
-            std::array<float, most_axes*(most_axes + 1) / 2> mean{};
+            std::array<float, averaged_numbers(most_axes)> mean{};
             WEFT_PICK(mean_of_neighbours)
             (scratch.of_sample, own.data(), axes, scratch.averaged, mean.data());
             if (!last) {
@@ -269,6 +329,13 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
                 for (size_t b = a; b < axes; ++b, ++k)
                     tensor[a][b] = tensor[b][a] = double(mean[k]);
             metric_of(tensor, axes, settings.floor, upper);
+            // Least squares of what is left when the closest ones go `part` of the way to the fit.
+            const float covariance = mean[numbers], variance = mean[numbers + 1];
+            const float part = settings.smooth && variance > 0
+                                   ? std::clamp(covariance / variance, 0.0f, 1.0f)
+                                   : 0.0f;
+            for (size_t c = 0; c < 3; ++c)
+                made.radiance[3 * i + c] = rgb[3 * i + c] + part * made.radiance[3 * i + c];
         });
         std::swap(own, next);
     }

@@ -5,6 +5,10 @@
 // rounds: what is nearest is told by the metric of the round before, which is let grow longer from
 // round to round. Isotropic neighbourhoods wide enough for a fit blur what is finer than they are;
 // those that follow an edge or a moving texture hold as many samples and are thinner.
+//   What no axis explains is noise, which nearness does not tell from variation. So each sample is
+//   predicted without itself twice, from its three nearest and from the fit to all its neighbours;
+//   where the fit predicts the samples around better, radiance goes as far towards it as predicts
+//   best (stacked regression, Wolpert 1992; Breiman 1996).
 #pragma once
 #include <span>
 #include <vector>
@@ -20,6 +24,7 @@ struct TensorSettings {
     size_t averaged = 96;    // a tensor is the mean of
     float floor = 0.001f;    // least eigenvalue, over the largest
     float ridge = 1e-6f;     // of the least squares, over the neighbourhood's radius squared
+    bool smooth = true;      // whether radiance goes towards what is fitted
 };
 // Least eigenvalue over the largest, after the first round, and of that after each further one.
 inline constexpr float first_floor = 0.05f, floor_of_round = 0.25f;
@@ -37,6 +42,7 @@ struct Variation {
     std::vector<float> upper;        // metrics: upper triangles by rows, D (D + 1) / 2 a sample
     std::vector<float> gradient;     // 3 x D a sample, radiance per px
     std::vector<float> least, most;  // 3 a sample: radiance among the gradient's neighbours
+    std::vector<float> radiance;     // 3 a sample: its own, or nearer to what is fitted
     Supports supports;
 };
 

@@ -76,7 +76,15 @@ TEST(AdaptiveTree, ErrorOfABoxIsItsVolumeTimesItsContrast) {
     EXPECT_NEAR(leaf_error(grey, 2, Contrast::absolute), 2 * (1.5 + 1e-5), 1e-9);
 }
 
-// Five samples of the first box, at 0.1 0.2 0.4 0.7 0.9 of its longest side, are cut at 0.3 into two and three.
+TEST(AdaptiveTree, FiveSamplesAreCutIntoTwoAndThree) {
+    const std::vector<float> along{0.1f, 0.2f, 0.4f, 0.7f, 0.9f};
+    const float plane = plane_between(along);
+    EXPECT_FLOAT_EQ(plane, 0.3f);
+    EXPECT_EQ(std::ranges::count_if(along, [&](float x) { return x < plane; }), 2);
+    EXPECT_EQ(plane_between(std::vector<float>(5, 0.5f)), 0.5f);
+}
+
+// The first box gets its fifth sample, and is cut between the second and the third along its longest side.
 TEST(AdaptiveTree, ABoxIsCutBetweenItsSecondAndThirdSampleAcrossItsLongestSide) {
     TreeSettings settings{.extent = {4, 4, 64}};
     Tree tree(settings, 4, 4000);
@@ -184,6 +192,32 @@ TEST(AdaptiveSamples, OfAMovingDiscBeatEvenOnes) {
         EXPECT_GT(in_path / double(made.samples.size()), 1.05 * 20 / 48);
         EXPECT_NEAR(weighted / weights, mean, 0.01 * mean);
     }
+}
+
+// A function of the film alone, a picture one pixel high, and one of a single pixel.
+TEST(AdaptiveSamples, OfFewAxesAndOfALineAreRight) {
+    SamplerFunction film = sampler_of("texture", 40, 12);
+    film.axes.resize(2);
+    const auto with_time = film.evaluate;
+    film.evaluate = [with_time](const SamplerPoints& points, std::uint64_t seed, std::span<float> rgb) {
+        const std::vector<float> t(points.size());
+        const std::vector<std::span<const float>> axes{points.axes[0], points.axes[1], t};
+        with_time({axes}, seed, rgb);
+    };
+    const auto texture = [](int x, double v) {
+        const auto sinc = [](double a) { return a == 0 ? 1 : std::sin(std::numbers::pi * a) / (std::numbers::pi * a); };
+        return 0.5 + 0.5 * sinc(v / 8) * sinc(1.0 / 8) * std::sin(2 * std::numbers::pi * (x + 0.5 - v / 2) / 8);
+    };
+    const auto off = [&](const Image& picture, double v) {
+        double sum = 0;
+        for (int y = 0; y < picture.height(); ++y)
+            for (int x = 0; x < picture.width(); ++x) sum += std::pow(double(picture.at(x, y)[0]) - texture(x, v), 2);
+        return std::sqrt(sum / double(picture.width() * picture.height()));
+    };
+    EXPECT_LT(off(adaptive(film, 8).picture, 0), 0.015);
+    EXPECT_LT(off(adaptive(sampler_of("texture", 64, 1), 16).picture, 6), 0.04);
+    const Adaptive dot = adaptive(sampler_of("time", 1, 1), 64, 1, 8);
+    EXPECT_NEAR(dot.picture.at(0, 0)[0], 0.5f, 0.03f);
 }
 
 TEST(AdaptiveSamples, AreTheSameHoweverLargeTheBudgetIsUntilTheSmallerOneEnds) {

@@ -3,9 +3,11 @@
 
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 
+#include "adaptive/anisotropic_radiance.h"
 #include "adaptive/least_distance_kernel.h"
 #include "adaptive/metrics.h"
 #include "adaptive/near_samples.h"
@@ -145,6 +147,39 @@ TEST(StructureTensors, WithoutVariationAreEuclidean) {
     for (size_t i = 0; i < 100; ++i)
         for (size_t a = 0; a < 4; ++a)
             for (size_t b = a; b < 4; ++b) EXPECT_EQ(metrics[10 * i + upper_index(a, b, 4)], a == b ? 1.0f : 0.0f);
+}
+
+// A ramp and noise that no axis explains: radiance comes nearer to the ramp by far; of the ramp alone, or of a step, it stays what
+// was sampled.
+TEST(StructureTensors, TakeNoiseOffRadianceAndLeaveTheRest) {
+    PlainContext ctx;
+    for (const size_t axes : {2u, 3u, 5u}) {
+        const PointTree tree = tree_of(random_points(1500, axes, unsigned(axes)));
+        std::mt19937 random(11);
+        std::normal_distribution<float> noise(0, 0.2f);
+        const auto off = [&](const std::function<float(size_t)>& exact, float part, bool smooth) {
+            std::vector<float> rgb;
+            for (size_t i = 0; i < tree.size(); ++i) {
+                const float value = exact(i) + part * noise(random);
+                rgb.insert(rgb.end(), 3, value);
+            }
+            TensorSettings settings;
+            settings.smooth = smooth;
+            const Variation by = variation(tree, rgb, settings, ctx);
+            if (!smooth) {
+                EXPECT_EQ(by.radiance, rgb);
+            }
+            double sum = 0;
+            for (size_t i = 0; i < tree.size(); ++i) sum += std::pow(double(by.radiance[3 * i]) - double(exact(i)), 2) / double(tree.size());
+            return std::sqrt(sum);
+        };
+        const auto ramp = [&](size_t i) { return 0.5f + 0.02f * tree.at(0)[i] - 0.01f * tree.at(1)[i]; };
+        const auto step = [&](size_t i) { return tree.at(0)[i] < 8 ? 0.0f : 1.0f; };
+        EXPECT_NEAR(off(ramp, 1, false), 0.2, 0.01) << axes;
+        EXPECT_LT(off(ramp, 1, true), axes < 5 ? 0.09 : 0.15) << axes;
+        EXPECT_LT(off(ramp, 0, true), 1e-5) << axes;
+        EXPECT_LT(off(step, 0, true), axes < 5 ? 0.05 : 0.1) << axes;
+    }
 }
 
 // A sample's neighbours against a plain search, by distance and by a metric, on each instruction set.
@@ -339,6 +374,42 @@ TEST(AnisotropicReconstruct, OfAMovingDiscIsNearTheTruth) {
     for (const int seed : {1, 2, 3}) {
         GraphRun run(graph("disc", "", R"(, "seed": )" + std::to_string(seed)));
         EXPECT_LT(rmse(run.picture, reference), 0.2 * plain) << seed;
+    }
+}
+
+// Over black a disc is at a point for as long as its chord takes to pass: no pixel, no filter.
+TEST(AnisotropicRadiance, OfAMovingDiscAtAPointIsItsChord) {
+    SamplerFunction sampler = RunNode("test-sampler").out<SamplerFunction>("sampler");
+    sampler.evaluate = [](const SamplerPoints& points, std::uint64_t, std::span<float> rgb) {
+        for (size_t i = 0; i < points.size(); ++i) {
+            const float x = 48 * points.axes[0][i], y = 48 * points.axes[1][i], t = points.axes[2][i];
+            std::fill_n(&rgb[3 * i], 3, std::hypot(x - 10 - 28 * t, y - 24) < 9 ? 1.0f : 0.0f);
+        }
+    };
+    Samples samples;
+    LeafTree leaves;
+    RunNode node("adaptive-samples");
+    node.in("sampler", sampler).set("budget", Json(8.0));
+    node.run({Slot{"samples", &type_info<Samples>(), &samples, {}}, Slot{"leaves", &type_info<LeafTree>(), &leaves, {}}});
+    const Metrics metrics = RunNode("structure-tensors").in("samples", samples).in("leaves", leaves).out<Metrics>("tensors");
+    const AnisotropicRadiance radiance(metrics, samples.rgb().data(), 12, Blend::linear);
+    EXPECT_NEAR(2 * std::sqrt(81.0) / 28, .6428571, 1e-7);
+    for (const float y : {24.0f, 28.0f, 31.0f}) {
+        constexpr size_t times = 512;
+        double mean = 0;
+        for (const float x : {22.0f, 24.0f, 26.0f}) {
+            Places places;
+            places.start(3, times);
+            for (size_t i = 0; i < times; ++i) places.at[0][i] = x, places.at[1][i] = y, places.at[2][i] = 28 * (float(i) + 0.5f) / times;
+            AnisotropicRadiance::Scratch scratch;
+            std::array<float, most_axes> lo{}, hi{};
+            places.bounds(lo.data(), hi.data());
+            radiance.prepare(lo.data(), hi.data(), scratch);
+            std::vector<float> rgb(3 * times);
+            radiance.at(places, scratch, [&](size_t i) { return &rgb[3 * i]; });
+            for (size_t i = 0; i < times; ++i) mean += double(rgb[3 * i]) / (3 * times);
+        }
+        EXPECT_NEAR(mean, 2 * std::sqrt(81 - std::pow(double(y) - 24, 2)) / 28, 0.02) << y;
     }
 }
 
