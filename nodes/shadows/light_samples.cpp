@@ -22,6 +22,12 @@ void compact(std::vector<T>& values, const std::vector<float>& z, size_t compone
 }  // namespace
 
 void warn_of(const Unseen& unseen, const LightView& view, Context& ctx) {
+    if (unseen.rays > 0 && unseen.stopped == unseen.rays)
+        ctx.warn(
+            fmt::format("none of {} shadow rays from light '{}' gets to what the camera sees: it "
+                        "lies inside geometry or behind it, and adds nothing to the picture; move "
+                        "it, or leave its shadows out",
+                        unseen.rays, view.name));
     if (unseen.too_near > 0)
         ctx.warn(
             fmt::format("{} light samples lie within {:.3g} of light '{}' and are left out: it "
@@ -44,6 +50,8 @@ LightSampleArrays::LightSampleArrays(size_t places)
       source_(places) {}
 
 bool LightSampleArrays::seen(const LightView& view, const LightHit& hit, Unseen& unseen) {
+    ++unseen.rays;
+    unseen.stopped += hit.stopped;
     if (!(hit.at.z > view.nearest)) {
         ++unseen.too_near;
         return false;

@@ -8,6 +8,7 @@
 // Source: Lehtinen et al. 2011, Sec. 4.  Departure: the sample is the first thing that the light
 // sees along a camera sample's own shadow ray, from a point of the light of its own.
 #pragma once
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -24,16 +25,26 @@ struct LightHit {
     Point3 normal;      // 0: not known
     double t = 0.5, lx = 0, ly = 0;
     std::uint32_t source = 0;
+    bool stopped = false;  // by something before the receiver
 };
 
 // Receivers that have no light sample.
 struct Unseen {
     size_t too_near = 0;  // they, or what shadows them, touch the light
     size_t outside = 0;   // the light shines on them, but its view does not hold them
-    Unseen& operator+=(const Unseen& more) {
-        too_near += more.too_near, outside += more.outside;
-        return *this;
+    size_t rays = 0, stopped = 0;  // all that were sent, and those that did not get there
+};
+// Sums of several threads.
+class UnseenOfAll {
+  public:
+    void operator+=(const Unseen& more) {
+        too_near_ += more.too_near, outside_ += more.outside;
+        rays_ += more.rays, stopped_ += more.stopped;
     }
+    operator Unseen() const { return {too_near_, outside_, rays_, stopped_}; }
+
+  private:
+    std::atomic<size_t> too_near_ = 0, outside_ = 0, rays_ = 0, stopped_ = 0;
 };
 void warn_of(const Unseen& unseen, const LightView& view, Context& ctx);
 

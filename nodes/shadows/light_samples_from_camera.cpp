@@ -30,7 +30,7 @@ struct LightSamplesFromCamera {
         const CameraSamples from(samples);
         const auto normals = samples.values("geometric_normal");
         LightSampleArrays made(samples.size());
-        std::atomic<size_t> outside = 0;
+        UnseenOfAll all;
         ctx.parallel_rows(samples.height, [&](Rows rows) {
             Unseen unseen;
             const size_t wide = size_t(samples.width);
@@ -61,9 +61,9 @@ struct LightSamplesFromCamera {
                     if (LightSampleArrays::seen(view, hit, unseen)) made.set(i, view, hit);
                 }
             }
-            outside += unseen.outside;
+            all += unseen;
         });
-        warn_of({0, outside}, view, ctx);
+        warn_of(all, view, ctx);
         out.set("light-samples", std::move(made).take(view, samples));
     }
 };

@@ -44,7 +44,8 @@ struct LightSamplesFromFile {
         const Channel* index = samples.find("light_index");
         const Recorded from(samples);
         LightSampleArrays made(samples.size());
-        std::atomic<size_t> all = 0, hits = 0, kept = 0, outside = 0;
+        std::atomic<size_t> all = 0, hits = 0, kept = 0;
+        UnseenOfAll all_unseen;
         ctx.parallel(samples.size(), 16384, [&](size_t begin, size_t end) {
             size_t any = 0, there = 0, taken = 0;
             Unseen unseen;
@@ -58,14 +59,14 @@ struct LightSamplesFromFile {
                 ++taken;
                 made.set(i, view, hit);
             }
-            all += any, hits += there, kept += taken, outside += unseen.outside;
+            all += any, hits += there, kept += taken, all_unseen += unseen;
         });
         if (kept == 0 && hits > 0)
             ctx.fail(
                 fmt::format("none of {} shadow_hit lies between light '{}' and what its "
                             "sample shows; expected world positions on the ray from light_uv",
                             size_t(hits), view.name));
-        warn_of({0, outside}, view, ctx);
+        warn_of(all_unseen, view, ctx);
         const double part = all > 0 && hits > 0 ? double(hits) / double(all) : 1;
         out.set("light-samples", std::move(made).take(view, samples, part));
     }
@@ -109,6 +110,7 @@ struct LightSamplesFromFile {
                     view.from_camera(ends[0], ends[1], 1) - view.from_camera(ends[0], ends[1], 0);
                 return true;
             }
+            out.stopped = true;
             const Point3 whole = motion.empty() ? Point3{} : at(motion, i),
                          open = world - whole * t;
             if (!motion.empty() || view.moves)

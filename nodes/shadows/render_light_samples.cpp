@@ -44,7 +44,8 @@ struct RenderLightSamples {
         samples.require("render-light-samples", {"xy", "z"});
         const RayScene rays(in.get<Scene>("scene"), ctx);
         LightSampleArrays made(samples.size() * size_t(per_sample));
-        std::atomic<size_t> too_near = 0, outside = 0, rows_done = 0;
+        UnseenOfAll all;
+        std::atomic<size_t> rows_done = 0;
         ctx.parallel_rows(
             samples.height,
             [&](Rows rows) {
@@ -55,12 +56,12 @@ struct RenderLightSamples {
                 for (int y = rows.begin; y < rows.end; ++y)
                     for (int x = 0; x < samples.width; ++x)
                         trace_pixel(samples, view, rays, x, y, ray, made, unseen);
-                too_near += unseen.too_near, outside += unseen.outside;
+                all += unseen;
                 ctx.progress(double(rows_done += size_t(rows.end - rows.begin)), samples.height,
                              "rows");
             },
             4);
-        warn_of({too_near, outside}, view, ctx);
+        warn_of(all, view, ctx);
         out.set("light-samples", std::move(made).take(view, samples));
     }
 
@@ -113,8 +114,8 @@ struct RenderLightSamples {
         const Object& object = rays.objects()[ray.object[0]];
         const SurfacePoint seen =
             surface_at(object, ray.primitive[0], ray.u[0], ray.v[0], float(t));
-        if (ray.distance[0] < distance * (1 - 1e-4f))
-            hit.at = view.from_world(to_double(seen.position), t);
+        hit.stopped = ray.distance[0] < distance * (1 - 1e-4f);
+        if (hit.stopped) hit.at = view.from_world(to_double(seen.position), t);
         const Point3 tip = view.from_world(to_double(seen.position + seen.geometric), t),
                      foot = view.from_world(to_double(seen.position), t);
         hit.normal = tip - foot;
