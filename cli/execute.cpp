@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -15,11 +16,20 @@
 namespace weft::cli {
 namespace {
 
+// The first few by name, how many follow.
+std::string some_of(const std::vector<std::string>& nodes) {
+    constexpr size_t few = 6;
+    const auto end = nodes.begin() + std::ptrdiff_t(std::min(nodes.size(), few));
+    std::string text = fmt::format("{}", fmt::join(nodes.begin(), end, ", "));
+    if (nodes.size() > few) text += fmt::format(" and {} more", nodes.size() - few);
+    return text;
+}
+
 void print_errors(const RunResult& result) {
     for (const NodeError& error : result.errors) {
         std::string message = fmt::format("'{}': {}", error.node, error.message);
         if (!error.skipped.empty())
-            message += fmt::format("; skipped because of it: {}", fmt::join(error.skipped, ", "));
+            message += fmt::format("; skipped because of it: {}", some_of(error.skipped));
         print_findings({{Diagnostic::Level::error, message, error.place}});
     }
 }

@@ -84,6 +84,15 @@ class Cli(unittest.TestCase):
         self.assertIn("half.npz", done.stderr)
         self.assertFalse((self.path / "a.exr").exists())
 
+    def test_what_is_skipped_is_said_by_a_few_names(self):
+        (self.path / "bad.npz").write_bytes(b"no samples")
+        done = weft("run", GRAPHS / "tlfr.json", "--set", "samples=bad.npz", cwd=self.path)
+        self.assertEqual(done.returncode, 1)
+        line = next(l for l in done.stderr.splitlines() if "skipped because of it: " in l)
+        names, more = line.split("skipped because of it: ")[1].split(" and ")
+        self.assertEqual(len(names.split(", ")), 6)
+        self.assertRegex(more, r"^\d+ more$")
+
     def test_a_plan_that_does_not_fit_is_status_1_and_says_what_it_needs(self):
         done = weft("run", GRAPHS / "tlfr.json", "--memory", "1M", "--set", "out=a.exr", cwd=self.path)
         self.assertEqual(done.returncode, 1)
