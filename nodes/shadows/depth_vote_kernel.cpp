@@ -45,6 +45,7 @@ void depth_vote(const Candidates& c, const Surfaces& s, const Visibility& v,
         const float radius = set.tent * c.hierarchy->radius * c.ratio_of(l);
         const bool asked = queries.inverse_depth[l] > 0 && v.decision[l] != Decision::undecided;
         if (asked) voters.at(l);
+        const FilmMetric metric = queries.metric_of(l);
         float lit = 0;
         std::uint32_t votes = 0;
         v.each_seen(l, part, [&](std::uint16_t first, std::uint16_t last, float share) {
@@ -53,7 +54,7 @@ void depth_vote(const Candidates& c, const Surfaces& s, const Visibility& v,
             std::uint32_t nearest = 0;
             for (std::uint32_t i = c.offset[l]; i < c.offset[l + 1]; ++i) {
                 if (s.surface[i] < first || s.surface[i] > last) continue;
-                const float d2 = c.dx[i] * c.dx[i] + c.dy[i] * c.dy[i];
+                const float d2 = metric.square(c.dx[i], c.dy[i]);
                 if (d2 < least) least = d2, nearest = i;
                 const float weight = 1 - std::sqrt(d2) / radius;
                 if (!(weight > 0)) continue;

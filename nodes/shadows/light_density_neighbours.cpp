@@ -25,8 +25,8 @@ struct LightDensityNeighbours {
             .in<Samples>("samples", "xy, z (uv, t, motion)")
             .in<LightView>("light-view", "of the same samples")
             .out<Samples>("samples",
-                          "the same and light_density: light pixels a camera pixel; light_metric, "
-                          "that times the unit matrix: xx, xy, yy; 1 where nothing was hit")
+                          "the same and light_density: light pixels a camera pixel; 1 where nothing was "
+                          "hit")
             .param("neighbours", &LightDensityNeighbours::neighbours,
                    {.min = 1, .max = 256, .about = "that the distance is measured to"})
             .param("most", &LightDensityNeighbours::most,
@@ -38,7 +38,7 @@ struct LightDensityNeighbours {
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
         const double n = double(s.records);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes + 16 * n}}},
+        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes + 4 * n}}},
                 8 * n,
                 2000 * n};
     }
@@ -64,7 +64,7 @@ struct LightDensityNeighbours {
             if (on_film(i, at)) places.push_back(at);
         const FilmPoints points(std::move(places));
 
-        std::vector<float> density(samples.size(), 1), metric(3 * samples.size(), 0);
+        std::vector<float> density(samples.size(), 1);
         // The sample itself is the nearest.
         const size_t near = std::min(size_t(neighbours) + 1, points.size());
         const double spp = samples.mean_spp(), high = double(most) * double(most), low = 1 / high;
@@ -77,12 +77,10 @@ struct LightDensityNeighbours {
                     density[i] = float(std::clamp(
                         spp * std::numbers::pi * r * r / double(near - 1), low, high));
                 }
-                metric[3 * i] = metric[3 * i + 2] = density[i];
             }
         });
         Samples with = samples;
         with.add("light_density", 1, std::move(density));
-        with.add("light_metric", 3, std::move(metric));
         out.set("samples", std::move(with));
     }
 };

@@ -8,6 +8,8 @@ namespace {
 
 struct LocateReceivers {
     std::uint64_t seed = 1;
+    shadows::Nearness metric = shadows::Nearness::round;
+    float max_anisotropy = 4;
 
     static void declare(Ports<LocateReceivers>& node) {
         node.about(
@@ -18,17 +20,26 @@ struct LocateReceivers {
             .in<Hierarchy>("hierarchy", "of the camera's samples")
             .in<Samples>("samples",
                          "the same; geometric_normal keeps curved surfaces from shadowing "
-                         "themselves, light_density scales the search")
+                         "themselves, light_density scales the search, light_metric shapes it")
             .in<LightView>("light-view", "of the same samples")
             .out<Locations>("locations", "on the light's film, at a point (u, v) of the light")
             .out<ShadowQueries>("queries", "the receivers' depths there")
-            .param("seed", &LocateReceivers::seed, {.about = "of the light's points"});
+            .param("seed", &LocateReceivers::seed, {.about = "of the light's points"})
+            .choice("metric", &LocateReceivers::metric, {"round", "ellipse"},
+                    {.about = "by what light samples are near: px of film, or px of the camera's "
+                              "picture as light_metric lays them on it"})
+            .param("max-anisotropy", &LocateReceivers::max_anisotropy,
+                   {.min = 1,
+                    .max = 256,
+                    .about = "of an ellipse: how much longer than wide it may be. Nodes that look "
+                             "for light samples should look the root of that times as far"});
     }
     using Scratch = shadows::ReceiverBatch;
     void batch(const Inputs& in, Outputs& out, Scratch& scratch) const {
         const shadows::Receivers receivers(in.get<Hierarchy>("hierarchy"),
                                            in.get<Samples>("samples"),
-                                           in.get<LightView>("light-view"));
+                                           in.get<LightView>("light-view"),
+                                           metric == shadows::Nearness::round ? 1 : max_anisotropy);
         receivers.locate(
             seed, in.get<Locations>("locations"), in.get<SeenSamples>("seen").sample,
             [&](std::uint32_t s) { return receivers.of(s); }, scratch, out.get<Locations>("locations"),

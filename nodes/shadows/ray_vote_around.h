@@ -21,25 +21,30 @@ class RayVoteAround {
             light_field::Block block;
             Candidates found;
         } hits, passes;
+        Candidates inside;  // of hits, those in ellipses
         std::vector<std::uint32_t> open;
         RayVoteScratch vote;
         ShadowQueries queries;
         LightShares shares;
     };
 
-    // By hits that are there, and by passes within `scale` R.
+    // By hits that are there, and by passes within `scale` R; where the queries have a metric, by
+    // what of these is nearer than `reach` R by it.
     void vote(const Candidates& hits, const Locations& at, const ShadowQueries& queries,
-              float scale, Scratch& s, LightShares& shares) const {
-        voting_.by_hits(hits, queries, shares, s.open);
+              float scale, float reach, Scratch& s, LightShares& shares) const {
+        const bool round = queries.metric.empty();
+        if (!round) keep_inside(hits, queries, reach, s.inside);
+        const Candidates& near = round ? hits : s.inside;
+        voting_.by_hits(near, queries, shares, s.open);
         if (voting_.passes().size() == 0 || !choose(at, s.open, s.passes.at)) return;
         look_near(voting_.passes(), s.passes.at, scale, s.passes);
-        voting_.by_passes(hits, s.passes.found, s.open, queries, s.vote, shares);
+        voting_.by_passes(near, s.passes.found, s.open, queries, s.vote, shares);
     }
     // By what is within `scale` R.
-    void look(const Locations& at, const ShadowQueries& queries, float scale, Scratch& s,
-              LightShares& shares) const {
+    void look(const Locations& at, const ShadowQueries& queries, float scale, float reach,
+              Scratch& s, LightShares& shares) const {
         look_near(voting_.hits(), at, scale, s.hits);
-        vote(s.hits.found, at, queries, scale, s, shares);
+        vote(s.hits.found, at, queries, scale, reach, s, shares);
     }
     // Looks farther around, `times` twice as far as before, for those that found nobody within
     // `scale` R.
@@ -53,7 +58,7 @@ class RayVoteAround {
             if (!choose(at, s.open, s.hits.at)) return;
             choose(queries, s.open, s.queries);
             s.shares.pixels = s.hits.at.pixels;
-            look(s.hits.at, s.queries, std::ldexp(scale, k), s, s.shares);
+            look(s.hits.at, s.queries, std::ldexp(scale, k), std::ldexp(1.0f, k), s, s.shares);
             for (size_t i = 0; i < s.hits.at.size(); ++i) {
                 const std::uint32_t l = s.hits.at.own_parents[i];
                 shares.share[l] = s.shares.share[i];
@@ -63,6 +68,20 @@ class RayVoteAround {
     }
 
   private:
+    static void keep_inside(const Candidates& from, const ShadowQueries& queries, float reach,
+                            Candidates& to) {
+        to = from;
+        std::uint32_t kept = 0;
+        for (size_t l = 0; l < from.size(); ++l) {
+            const float radius = reach * from.hierarchy->radius * from.ratio_of(l);
+            for (std::uint32_t i = from.offset[l]; i < from.offset[l + 1]; ++i) {
+                if (!(queries.metric[l].square(from.dx[i], from.dy[i]) < radius * radius)) continue;
+                to.dx[kept] = from.dx[i], to.dy[kept] = from.dy[i];
+                to.sample[kept++] = from.sample[i];
+            }
+            to.offset[l + 1] = kept;
+        }
+    }
     static void look_near(const Hierarchy& h, const Locations& at, float scale,
                           Scratch::Near& near) {
         near.found.pixels = at.pixels;
@@ -93,7 +112,9 @@ class RayVoteAround {
     static void choose(const ShadowQueries& from, std::span<const std::uint32_t> which,
                        ShadowQueries& to) {
         for (auto* values : {&to.inverse_depth, &to.slope_x, &to.slope_y}) values->clear();
+        to.metric.clear();
         for (const std::uint32_t l : which) {
+            if (!from.metric.empty()) to.metric.push_back(from.metric[l]);
             to.inverse_depth.push_back(from.inverse_depth[l]);
             to.slope_x.push_back(from.slope_x[l]);
             to.slope_y.push_back(from.slope_y[l]);

@@ -46,7 +46,7 @@ struct RayVoteCoverage {
                                    in.get<LightView>("light-view"), {test, bias});
         const float scale =
             candidates.radius / std::max(light_field::largest_radius(hits, at), 1e-30f);
-        around.vote(candidates, at, queries, scale, scratch, shares);
+        around.vote(candidates, at, queries, scale, 1, scratch, shares);
         around.widen(at, queries, scale, max_widen, scratch, shares);
     }
 };

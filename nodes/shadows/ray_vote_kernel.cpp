@@ -9,6 +9,7 @@ namespace weft::shadows {
 struct RayVoting::Receiver {
     Seen seen;
     float lx, ly, time;
+    FilmMetric metric;
 };
 
 RayVoting::RayVoting(const Hierarchy& hits, const Hierarchy& passes, const LightView& view,
@@ -28,7 +29,8 @@ RayVoting::Receiver RayVoting::receiver(const Candidates& hits, const ShadowQuer
              hits_.from({queries.slope_x[l], queries.slope_y[l]}, lx, ly)},
             lx,
             ly,
-            hits.t_of(l) - 0.5f};
+            hits.t_of(l) - 0.5f,
+            queries.metric_of(l)};
 }
 
 bool RayVoting::before(const Receiver& r, const Planes& planes, const Candidates& of,
@@ -84,7 +86,7 @@ void RayVoting::by_passes(const Candidates& hits, const Candidates& passes,
 bool RayVoting::free_of(const Receiver& r, const Candidates& hits, std::uint32_t hit,
                         std::span<const RayVoteScratch::Pass> passes) const {
     if (passes.empty()) return false;
-    const float x = hits.dx[hit], y = hits.dy[hit], far = x * x + y * y;
+    const float x = hits.dx[hit], y = hits.dy[hit], far = r.metric.square(x, y);
     const float inverse = 1 / hits_.depth_beside(hits.sample[hit], x, y, r.lx, r.ly, r.time);
     for (const RayVoteScratch::Pass& pass : passes) {
         const float move = inverse - pass.inverse;
@@ -92,7 +94,7 @@ bool RayVoting::free_of(const Receiver& r, const Candidates& hits, std::uint32_t
         const float behind = inverse - pass.end;
         if (!(behind > level_ || (behind > 0 && std::abs(move) < level_))) continue;
         const float px = pass.x + move * pass.way_x, py = pass.y + move * pass.way_y;
-        if (px * px + py * py < far) return true;
+        if (r.metric.square(px, py) < far) return true;
     }
     return false;
 }

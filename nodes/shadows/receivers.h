@@ -41,28 +41,54 @@ WEFT_RECEIVER_KERNELS(v2)
 WEFT_RECEIVER_KERNELS(v3)
 WEFT_RECEIVER_KERNELS(v4)
 
+// By what light samples are near a receiver: px of film, or by FilmMetric.
+enum class Nearness { round, ellipse };
+
+// That in which the ellipse of J J^T = (xx, xy, yy) (light_jacobian_kernel.h), no longer than `most`
+// times its width, is a disc.
+inline FilmMetric film_metric(const float* jj, float most) {
+    const double mean = 0.5 * (double(jj[0]) + double(jj[2])),
+                 half = 0.5 * (double(jj[0]) - double(jj[2])), xy = double(jj[1]),
+                 spread = std::hypot(half, xy);
+    if (!(spread > 1e-6 * mean)) return {};
+    const double least = std::max(mean - spread, 1e-12 * mean),
+                 ratio = std::min(std::sqrt((mean + spread) / least), double(most));
+    const double middle = 0.5 * (1 / ratio + ratio), way = 0.5 * (1 / ratio - ratio) / spread;
+    return {float(middle + way * half), float(way * xy), float(middle - way * half)};
+}
+
 // What a sample of the camera shows, in light space.
 struct Receiver {
     std::array<float, 3> open,
         way;  // where it is at the shutter's opening; how it moves till its close
     std::array<float, 3> normal;  // of length 1 or, not known, 0
     float ratio = 1;              // of R there to R where a light's pixel is a camera's
+    FilmMetric metric;
     std::uint32_t sample =
         SeenSamples::none;  // of the camera's buffer; none: of the hierarchy, nothing to light
 };
 
 class Receivers {
   public:
-    // `hierarchy` of the camera's `samples`; of these geometric_normal and light_density, if there.
-    Receivers(const Hierarchy& hierarchy, const Samples& samples, const LightView& view)
+    // `hierarchy` of the camera's `samples`; of these geometric_normal, light_density and
+    // light_metric, if there. `most`: how much longer than wide a pixel of the camera may be on the
+    // film; 1: it is round.
+    Receivers(const Hierarchy& hierarchy, const Samples& samples, const LightView& view,
+              float most = 1)
         : h_(hierarchy),
           view_(view),
+          most_(most),
+          metric_(most > 1 ? samples.values("light_metric") : std::span<const float>()),
           normals_(samples.values("geometric_normal")),
           density_(samples.values("light_density")) {
         if (h_.size() != samples.size())
             throw Error(
                 "'samples' are not those of 'hierarchy': link the ones that build-hierarchy got, "
                 "or the ones they were made of");
+        if (most > 1 && metric_.empty() && samples.size() > 0)
+            throw Error(
+                "'samples' have no light_metric, which ellipses are made of; set 'metric' of "
+                "light-jacobian");
         for (size_t end : {0, 1})
             to_light_[end] = view.world_to_light[end] * view.pixel_to_world[end];
     }
@@ -91,6 +117,7 @@ class Receivers {
                 r.normal = floats(normal * (1 / std::sqrt(square)));
         }
         if (ratios()) r.ratio = std::sqrt(density_[r.sample]);
+        if (!metric_.empty()) r.metric = film_metric(&metric_[3 * size_t(r.sample)], most_);
         return r;
     }
 
@@ -105,6 +132,7 @@ class Receivers {
         ask.sample.assign(n, SeenSamples::none);
         ask.outside = 0;
         at.ratio.resize(ratios() ? n : 0);
+        ask.metric.assign(metric_.empty() ? 0 : n, {});
         for (size_t l = 0; l < n; ++l) {
             batch.w[l] = 0;
             if (seen[l] == SeenSamples::none) continue;
@@ -119,6 +147,7 @@ class Receivers {
             batch.normal_y[l] = r.normal[1];
             batch.normal_w[l] = r.normal[2];
             batch.ratio[l] = r.ratio;
+            if (!metric_.empty()) ask.metric[l] = r.metric;
             if (!(batch.w[l] > 0)) {
                 ask.outside +=
                     view_.shines_behind() && double(batch.w[l]) < -view_.nearest;
@@ -159,7 +188,8 @@ class Receivers {
 
     const Hierarchy& h_;
     const LightView& view_;
-    std::span<const float> normals_, density_;
+    const float most_;
+    std::span<const float> metric_, normals_, density_;
     std::array<Map3, 2>
         to_light_;  // of homogeneous places in the picture, at both ends of the shutter
 };

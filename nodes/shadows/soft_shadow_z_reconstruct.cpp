@@ -14,6 +14,7 @@ struct SoftShadowZReconstruct {
     float search = 1, bias = 0;
     int max_widen = 0;
     DepthTest test = DepthTest::both_planes;
+    Nearness metric = Nearness::round;
 
     static void declare(Fusing<SoftShadowZReconstruct>& fusing) {
         using This = SoftShadowZReconstruct;
@@ -38,12 +39,15 @@ struct SoftShadowZReconstruct {
             .out("queries", "locate-receivers.queries")
             .out("shares", "ray-vote-coverage.shares")
             .param("locate-receivers.seed", &This::seed)
+            .param("locate-receivers.metric", &This::metric)
             .param("reproject.radius-scale", &This::search)
             .param("ray-vote-coverage.bias", &This::bias)
             .param("ray-vote-coverage.test", &This::test)
             .param("ray-vote-coverage.max-widen", &This::max_widen);
     }
-    bool suits() const { return test == DepthTest::both_planes && search == 1; }
+    bool suits() const {
+        return test == DepthTest::both_planes && search == 1 && metric == Nearness::round;
+    }
 
     struct Scratch {
         std::vector<Receiver> receivers;
@@ -82,7 +86,7 @@ struct SoftShadowZReconstruct {
         if (s.at.shared)
             WEFT_PICK(light_vote)(hits, passes, view, s.at, queries, bias, s.vote, shares);
         else
-            around.look(s.at, queries, search, s.around, shares);
+            around.look(s.at, queries, search, search, s.around, shares);
         around.widen(s.at, queries, search, max_widen, s.around, shares);
     }
 

@@ -17,6 +17,13 @@ struct SeenSamples : Batch {
     void describe(FieldVisitor& see) const;
 };
 
+// How far places of a film are from each other: d^T Q d of d px, Q of determinant 1. What lies nearer
+// than 1 is an ellipse as large as a disc.
+struct FilmMetric {
+    float xx = 1, xy = 0, yy = 1;
+    float square(float x, float y) const { return xx * x * x + 2 * xy * x * y + yy * y * y; }
+};
+
 // What is asked of the light at each location, beside the place on its film (a Locations batch of
 // the same records).
 struct ShadowQueries : Batch {
@@ -24,6 +31,8 @@ struct ShadowQueries : Batch {
     std::vector<float> slope_x, slope_y;  // of 1 / w over the film, of the receiver's surface, seen
                                           // from l = 0
     std::vector<std::uint32_t> sample;    // of the camera's buffer; SeenSamples::none
+    std::vector<FilmMetric> metric;       // by which light samples are near; empty: as px are
+    FilmMetric metric_of(size_t l) const { return metric.empty() ? FilmMetric{} : metric[l]; }
     size_t outside = 0;  // receivers that the light shines on and its view does not hold
     void count(Items& items) const {
         items.add("queries", size());

@@ -162,7 +162,7 @@ class ShadowTest {
         if (set_.rays) {
             const shadows::RayVoteAround rays(hierarchy_, passes_, view_, {vote.test, vote.bias});
             shadows::RayVoteAround::Scratch scratch;
-            rays.vote(candidates, at, ask, wide, scratch, shares);
+            rays.vote(candidates, at, ask, wide, 1, scratch, shares);
             return shares;
         }
         WEFT_PICK(cluster)(candidates, {}, cluster, surfaces);
