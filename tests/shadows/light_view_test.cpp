@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "shadows/light_jacobian_kernel.h"
 #include "shadows/light_view.h"
@@ -51,6 +52,33 @@ TEST(LightViews, PlanesAreLinearInInverseDepthFromAnyPoint) {
     const double predicted = 1 / a.z + (h[0] * (qb[0] - qa[0]) + h[1] * (qb[1] - qa[1])) / divisor;
     EXPECT_NEAR(predicted, 1 / b.z, 1e-12);
     EXPECT_NEAR(predicted, .117125, 1e-6);
+}
+
+// The same of planes, lights and points of any kind.
+TEST(LightViews, AnyPlaneIsLinearInInverseDepth) {
+    std::mt19937 random(31);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (int i = 0; i < 300; ++i) {
+        LightView view = example();
+        view.ax = 1 + 0.9 * number(random), view.ay = 1 + 0.9 * number(random);
+        view.k = 100 + 60 * number(random), view.focus = 8 + 5 * number(random);
+        view.cx = 50 * number(random), view.cy = 50 * number(random);
+        const Point3 n{number(random), number(random), -1.2}, at{number(random), number(random), 8};
+        const auto on_plane = [&](double px, double py) {
+            const Point3 d{px / view.k, py / view.k, 1};
+            return d * (dot(n, at) / dot(n, d));
+        };
+        const Point3 a = on_plane(30 * number(random), 30 * number(random)),
+                     b = on_plane(30 * number(random), 30 * number(random));
+        const double lx = number(random), ly = number(random);
+        const auto h = view.inverse_depth_gradient(a, n);
+        const double divisor = 1 + view.c0x() * h[0] * lx + view.c0y() * h[1] * ly;
+        if (!(a.z > 1) || !(b.z > 1) || std::abs(divisor) < 0.1) continue;
+        const auto qa = view.project(a, lx, ly), qb = view.project(b, lx, ly);
+        EXPECT_NEAR(1 / a.z + (h[0] * (qb[0] - qa[0]) + h[1] * (qb[1] - qa[1])) / divisor, 1 / b.z,
+                    1e-10)
+            << i;
+    }
 }
 
 TEST(LightViews, WorldAndLightSpaceAreInverse) {
@@ -105,6 +133,33 @@ TEST(LightJacobian, IsTheDifferenceOfBothProjections) {
                     1e-4 * std::abs(j[r][0]) + 1e-9);
         EXPECT_NEAR(j[r][1], (q(x, y + e)[r] - q(x, y - e)[r]) / (2 * e),
                     1e-4 * std::abs(j[r][1]) + 1e-9);
+    }
+    // Of any plane, anywhere, within bounds that it does not reach.
+    std::mt19937 random(32);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (int i = 0; i < 100; ++i) {
+        const Point3 any{0.8 * number(random), 0.8 * number(random), -1};
+        const auto seen_any = [&](double px, double py) {
+            const Point3 d = m.vector({px, py, 1});
+            const double z = dot(any, on - m.origin) / dot(any, d);
+            return Point3{px * z, py * z, z};
+        };
+        const auto q_any = [&](double px, double py) {
+            return view.project(m.point(seen_any(px, py)), 0, 0);
+        };
+        const double px = 40 * number(random), py = 40 * number(random);
+        if (!(m.point(seen_any(px, py)).z > 1) || !(seen_any(px, py).z > 1)) continue;
+        const shadows::Jacobian jj =
+            shadows::light_jacobian(view, m, seen_any(px, py), any, 1e6);
+        for (size_t r = 0; r < 2; ++r) {
+            const double size = std::abs(jj[r][0]) + std::abs(jj[r][1]);
+            EXPECT_NEAR(jj[r][0], (q_any(px + e, py)[r] - q_any(px - e, py)[r]) / (2 * e),
+                        1e-4 * size)
+                << i;
+            EXPECT_NEAR(jj[r][1], (q_any(px, py + e)[r] - q_any(px, py - e)[r]) / (2 * e),
+                        1e-4 * size)
+                << i;
+        }
     }
     // Within bounds, whatever the plane.
     for (const Point3 n :

@@ -312,6 +312,142 @@ TEST(ShadowProperty, TwoEdgesOneBehindTheOther) {
     }
 }
 
+// What random variants have in common: bounds of the oracles, wider by as much as samples are apart in
+// a penumbra as wide as `wide` to both sides.
+double spacing(const ShadowSetup& s, double wide) {
+    return s.d1 / s.k / std::sqrt(s.spp) / (2 * wide);
+}
+
+TEST(ShadowProperty, EdgesUnderRoundLightsOfAnyPlaceSizeAndSeed) {
+    std::mt19937 random(21);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 6; ++i) {
+        const double edge = unit(random) - 0.5, d2 = 3 + 5 * unit(random);
+        ShadowSetup s = half_plane(LightView::Shape::disc, edge);
+        s.spp = std::vector{4, 9, 16}[size_t(random() % 3)], s.seed = unsigned(random());
+        s.occluder = flat_occluder(d2, [=](double x, double, double) { return x < edge; });
+        const double middle = edge * 10 / d2, wide = 10 / d2 - 1;
+        const auto e = error_over(ShadowTest(s), middle - wide, middle + wide, 21,
+                                  [=](double x) { return past_edge_disc(x, edge, 10, d2); });
+        EXPECT_LT(e.rmse, most_rmse + 0.4 * spacing(s, wide)) << edge << " " << d2 << " " << s.spp;
+        EXPECT_LT(std::abs(e.bias), most_bias + 0.3 * spacing(s, wide))
+            << edge << " " << d2 << " " << s.spp;
+    }
+}
+
+// Triangles, as published, on the same.
+TEST(ShadowProperty, EdgesByTrianglesOfAnyPlaceSizeAndSeed) {
+    std::mt19937 random(22);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 4; ++i) {
+        const double edge = unit(random) - 0.5, d2 = 3 + 5 * unit(random);
+        ShadowSetup s = half_plane(LightView::Shape::quad, edge, 16, unsigned(random()));
+        s.rays = false;
+        s.occluder = flat_occluder(d2, [=](double x, double, double) { return x < edge; });
+        const double middle = edge * 10 / d2, wide = 10 / d2 - 1;
+        const auto e = error_over(ShadowTest(s), middle - wide, middle + wide, 21,
+                                  [=](double x) { return past_edge_quad(x, edge, 10, d2); });
+        EXPECT_LT(e.rmse, most_rmse + 0.5 * spacing(s, wide)) << edge << " " << d2;
+        EXPECT_LT(std::abs(e.bias), most_bias_of_triangles + 0.5 * spacing(s, wide))
+            << edge << " " << d2;
+    }
+}
+
+// What of a light a ball leaves, by quadrature over the light.
+double past_ball(double x, Point3 centre, double radius, bool disc) {
+    constexpr int steps = 200;
+    int all = 0, open = 0;
+    const auto ball = sphere_occluder(centre, radius);
+    for (int j = 0; j < steps; ++j)
+        for (int i = 0; i < steps; ++i) {
+            const Point3 l{(i + 0.5) / steps * 2 - 1, (j + 0.5) / steps * 2 - 1, 0};
+            if (disc && dot(l, l) > 1) continue;
+            ++all;
+            open += !ball(l, {x, 0, 10}, 0.5);
+        }
+    return double(open) / all;
+}
+
+TEST(ShadowProperty, BallsOfAnyPlaceSizeAndSeed) {
+    EXPECT_NEAR(past_ball(0, {0, 0, 6}, 0.3, true), 0.43431804, 2e-3);
+    std::mt19937 random(23);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 6; ++i) {
+        const Point3 centre{unit(random) - 0.5, 0.4 * unit(random) - 0.2, 4.5 + 3 * unit(random)};
+        const double radius = 0.2 + 0.3 * unit(random);
+        ShadowSetup s;
+        s.shape = i % 2 ? LightView::Shape::disc : LightView::Shape::quad;
+        s.seed = unsigned(random());
+        s.occluder = sphere_occluder(centre, radius);
+        const double middle = centre.x * 10 / centre.z,
+                     far = (radius + (1 - centre.z / 10)) * 10 / centre.z;
+        const auto e = error_over(ShadowTest(s), middle - far, middle + far, 17, [&](double x) {
+            return past_ball(x, centre, radius, s.shape == LightView::Shape::disc);
+        });
+        // As SphereUnderBothLights: few rays tell of what of its rim one point of the light sees.
+        EXPECT_LT(e.rmse, 0.027) << centre.x << " " << centre.z << " " << radius;
+        EXPECT_LT(std::abs(e.bias), 0.02) << centre.x << " " << centre.z << " " << radius;
+    }
+}
+
+TEST(ShadowProperty, NoPlaneShadowsItself) {
+    std::mt19937 random(24);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 12; ++i) {
+        const double tilt = 75 * std::sqrt(unit(random)) * pi_d / 180,
+                     way = 2 * pi_d * unit(random);
+        ShadowSetup s;
+        s.shape = i % 2 ? LightView::Shape::disc : LightView::Shape::quad;
+        s.spp = std::vector{1, 4, 9}[size_t(random() % 3)], s.seed = unsigned(random());
+        s.timed = i % 3 == 0;
+        s.half = 0.2 + 1.3 * unit(random), s.focus = 4 + 10 * unit(random);
+        s.normal = {std::sin(tilt) * std::cos(way), std::sin(tilt) * std::sin(way), std::cos(tilt)};
+        s.reach = tilt > 70 * pi_d / 180 ? 1 : 1.5;
+        s.rays = i % 4 != 3;
+        const ShadowTest test(s);
+        for (int k = 0; k < 4; ++k) {
+            const double x = 1.6 * unit(random) - 0.8, y = 1.6 * unit(random) - 0.8;
+            EXPECT_EQ(test.share(x, y), 1) << tilt << " " << way << " " << s.spp;
+        }
+    }
+}
+
+TEST(ShadowProperty, PointsCastHardShadowsOfAnyEdge) {
+    std::mt19937 random(25);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 6; ++i) {
+        const double edge = unit(random) - 0.5, d2 = 2 + 7 * unit(random);
+        ShadowSetup s = half_plane(LightView::Shape::point, edge);
+        s.half = 0, s.spp = std::vector{1, 4, 9}[size_t(random() % 3)], s.seed = unsigned(random());
+        s.occluder = flat_occluder(d2, [=](double x, double, double) { return x < edge; });
+        const ShadowTest test(s);
+        const double rim = edge * 10 / d2;
+        for (int k = 0; k < 20; ++k) {
+            const double x = 5 * unit(random) - 2.5, share = test.share(x, 0.3, 4);
+            EXPECT_TRUE(share == 0 || share == 1) << share;
+            // A light pixel is 0.1 wide there, and samples are no farther apart.
+            if (std::abs(x - rim) < 0.15) continue;
+            EXPECT_EQ(share, x < rim ? 0 : 1) << x << " " << rim;
+        }
+    }
+}
+
+TEST(ShadowProperty, BlockedAndFreeAreExactForAnyLight) {
+    std::mt19937 random(26);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 6; ++i) {
+        ShadowSetup s;
+        s.shape = i % 2 ? LightView::Shape::disc : LightView::Shape::quad;
+        s.half = 0.1 + 2 * unit(random), s.spp = i % 3 ? 4 : 1, s.seed = unsigned(random());
+        const double d2 = 3 + 6 * unit(random);
+        s.occluder = flat_occluder(d2, [](double, double, double) { return true; });
+        const double x = 2 * unit(random) - 1;
+        EXPECT_EQ(ShadowTest(s).share(x), 0) << d2;
+        s.occluder = nullptr;
+        EXPECT_EQ(ShadowTest(s).share(x), 1) << d2;
+    }
+}
+
 TEST(ShadowProperty, ScaleFocusAndTimeMakeNoDifference) {
     const auto mean_of = [](const ShadowSetup& s, double scale) {
         const ShadowTest test(s);
