@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "graph/error.h"
@@ -340,6 +341,28 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
     fit(bounds.x0, bounds.x1, view.k * 0.5 * (left + right), view.width, view.cx);
     fit(bounds.y0, bounds.y1, view.k * 0.5 * (top + bottom), view.height, view.cy);
     return view;
+}
+
+double light_power(const Samples& samples, const std::string& name) {
+    const FoundLight light = find_light(samples, name);
+    const std::string what = fmt::format("light '{}'", light.name);
+    const Point3 radiance = point_of(*light.json, "radiance", what);
+    double size = 0;
+    if (light.shape == "mesh") {
+        const WorldMesh mesh = world_mesh(light);
+        for (const auto& t : mesh.open) {
+            const Point3 normal = cross(t[1] - t[0], t[2] - t[0]);
+            size += 0.5 * std::sqrt(dot(normal, normal)) * (mesh.two_sided ? 2 : 1);
+        }
+    } else {
+        const auto half =
+            numbers(light.json->find("half_extents"), 2, fmt::format("'half_extents' of {}", what));
+        size = light.shape == "quad"     ? 4 * half[0] * half[1]
+               : light.shape == "disc"   ? std::numbers::pi * half[0] * half[1]
+               : light.shape == "sphere" ? 4 * std::numbers::pi * half[0] * half[0]
+                                         : 4;
+    }
+    return std::numbers::pi * size * dot(radiance, {0.2126, 0.7152, 0.0722});
 }
 
 }  // namespace weft::shadows

@@ -20,4 +20,9 @@ struct FitOptions {
 // meta, nothing in front of the light.
 LightView fit_light_view(const Samples& samples, const FitOptions& options, Context& ctx);
 
+// What a light of samples.meta sends out, as render-samples chooses lights by: luminance times area,
+// or solid angle. Of a spot, whose cones the meta does not tell, that of a point. Throws Error where
+// there is no such light.
+double light_power(const Samples& samples, const std::string& light);
+
 }  // namespace weft::shadows

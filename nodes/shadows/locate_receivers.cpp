@@ -40,10 +40,13 @@ struct LocateReceivers {
                                            in.get<Samples>("samples"),
                                            in.get<LightView>("light-view"),
                                            metric == shadows::Nearness::round ? 1 : max_anisotropy);
+        const SeenSamples& seen = in.get<SeenSamples>("seen");
+        ShadowQueries& queries = out.get<ShadowQueries>("queries");
+        queries.chance = seen.chance;
         receivers.locate(
-            seed, in.get<Locations>("locations"), in.get<SeenSamples>("seen").sample,
+            seed, in.get<Locations>("locations"), seen.sample,
             [&](std::uint32_t s) { return receivers.of(s); }, scratch, out.get<Locations>("locations"),
-            out.get<ShadowQueries>("queries"));
+            queries);
     }
 };
 

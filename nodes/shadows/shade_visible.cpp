@@ -41,8 +41,8 @@ struct ShadeVisible {
                     fmt::format("'direct' has {} samples and no number {}; expected those that the "
                                 "receivers were found in",
                                 direct.size(), i));
-            for (size_t c = 0; c < 3; ++c)
-                lit.rgba[4 * l + c] += shares.share[l] * rgb[3 * size_t(i) + c];
+            const float share = shares.share[l] / queries.chance;
+            for (size_t c = 0; c < 3; ++c) lit.rgba[4 * l + c] += share * rgb[3 * size_t(i) + c];
         }
     }
 };

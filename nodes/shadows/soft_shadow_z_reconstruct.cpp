@@ -72,8 +72,10 @@ struct SoftShadowZReconstruct {
         s.at.pixels = from.pixels, s.at.parents = from.parents;
         const Receivers receivers(camera, in.get<Samples>("samples"), view);
         start(camera, s);
+        const SeenSamples& seen = in.get<SeenSamples>("seen");
+        queries.chance = seen.chance;
         receivers.locate(
-            seed, from, in.get<SeenSamples>("seen").sample,
+            seed, from, seen.sample,
             [&](std::uint32_t sample) -> const Receiver& {
                 // The samples of a tile are few runs of the hierarchy's order.
                 const size_t place = sample % cached;

@@ -13,6 +13,7 @@ namespace weft {
 struct SeenSamples : Batch {
     static constexpr std::uint32_t none = 0xffffffff;
     std::vector<std::uint32_t> sample;  // index in the camera's hierarchy
+    float chance = 1;  // with which a location is among these: of several lights it asks one
     void count(Items& items) const { items.add("locations", size()); }
     void describe(FieldVisitor& see) const;
 };
@@ -33,6 +34,7 @@ struct ShadowQueries : Batch {
     std::vector<std::uint32_t> sample;    // of the camera's buffer; SeenSamples::none
     std::vector<FilmMetric> metric;       // by which light samples are near; empty: as px are
     FilmMetric metric_of(size_t l) const { return metric.empty() ? FilmMetric{} : metric[l]; }
+    float chance = 1;    // as of SeenSamples: what is found counts 1 / chance times
     size_t outside = 0;  // receivers that the light shines on and its view does not hold
     void count(Items& items) const {
         items.add("queries", size());

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "render/scene.h"
+#include "shadows/fit_light_view_kernel.h"
 #include "shadows/light_mesh.h"
 #include "tests/graph_run.h"
 #include "tests/shadows/shadow_test.h"
@@ -24,11 +25,13 @@ double rmse(const Image& a, const Image& b) {
 }
 
 // The shipped graph on the shipped scene, with the shadows of these lights.
-Image shadows_of(const std::string& lights, int threads = 1, int tile = 32) {
+Image shadows_of(const std::string& lights, int threads = 1, int tile = 32,
+                 const std::string& among = "[]") {
     std::stringstream text;
     text << std::ifstream(graphs + "soft-shadows-lights.json").rdbuf();
     return GraphRun(text.str(), tile, threads, true,
                     {"scene=" + graphs + "scenes/shadow-two-lights.json", "lights=" + lights,
+                     "among=" + among,
                      "width=120", "height=68", "spp=9", "locations=32", "out=OUT"})
         .picture;
 }
@@ -53,6 +56,25 @@ TEST(SeveralLights, AreNearerToTheTruthTogetherThanEachAlone) {
     // In whatever order, and the same bits for any threads and tiles.
     EXPECT_LT(rmse(shadows_of(R"(["narrow", "wide"])"), truth), 0.45 * input);
     EXPECT_EQ(values_of(shadows_of(R"(["wide", "narrow"])", 3, 17)), values_of(both));
+}
+
+double mean(const Image& image) {
+    double sum = 0;
+    for (const float v : image.pixels()) sum += double(v);
+    return sum / double(image.pixels().size());
+}
+
+// Each location asks one light and counts it for as many as it stands for: the same picture, with
+// some noise.
+TEST(SeveralLights, AreAskedOneByOneByTheirPower) {
+    const std::string scene = graphs + "scenes/shadow-two-lights.json",
+                      both = R"(["wide", "narrow"])";
+    const Image truth = mean_of(scene, 120, 68, 512), one = shadows_of(both, 1, 32, both),
+                all = shadows_of(both);
+    EXPECT_LT(rmse(one, truth), 0.5 * rmse(mean_of(scene, 120, 68, 9), truth));
+    EXPECT_NEAR(mean(one), mean(all), 0.01 * mean(all));
+    EXPECT_NE(values_of(one), values_of(all));
+    EXPECT_EQ(values_of(shadows_of(both, 3, 17, both)), values_of(one));
 }
 
 // A lamp over a floor, past the edge of a board; the camera looks at the floor from below the board.
@@ -252,6 +274,42 @@ TEST(MeshLights, SayWhatIsMissing) {
     const Lamp fine{"", R"(, {"shape": "sphere", "name": "key", "material": "lamp", "at": [0, 10, 0], "segments": 128})"};
     EXPECT_NE(error_of([&] { Lit(scene_of(fine, ""), 1); }).find("writes up to 4096"),
               std::string::npos);
+}
+
+// Of lamp and mesh by area and radiance: here two squares, one of them twice as bright.
+TEST(SeveralLights, HaveThePowerThatTheRendererTakesThemFor) {
+    std::string scene = scene_of({quad_lamp.lights, mesh_lamp.shapes}, "");
+    scene.replace(scene.find("\"radiance\": [1, 1, 1]"), 21, "\"radiance\": [2, 2, 2]");
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << scene;
+    const Samples samples = RunNode("render-samples")
+                                .in("scene", RunNode("read-scene").set("file", file).out<Scene>("scene"))
+                                .set("width", 64)
+                                .set("height", 32)
+                                .set("spp", 16)
+                                .set("channels", Json::list({"basic", "light_index"}))
+                                .out<Samples>("samples");
+    EXPECT_NEAR(shadows::light_power(samples, "0"), 2 * shadows::light_power(samples, "1"), 1e-4);
+    const auto& index = samples.find("light_index")->ids;
+    double first = 0;
+    for (size_t i = 0; i < samples.size(); ++i) first += index[i] == 0;
+    EXPECT_NEAR(first / double(samples.size()), 2.0 / 3, 0.02);
+}
+
+TEST(SeveralLights, SayWhichOfThemIsMissing) {
+    const auto error = [](const std::string& among) {
+        LoadOptions load;
+        load.overrides.set = {"scene=" + graphs + "scenes/shadow-two-lights.json", "width=16",
+                              "height=10", "locations=4", "among=" + among};
+        const Loaded loaded = load_graph(graphs + "soft-shadows-lights.json", Registry::instance(), load);
+        Monitor monitor;
+        const RunResult result = run_plan(make_plan(loaded.graph), *make_serial_executor(), monitor);
+        return result.errors.empty() ? std::string() : result.errors[0].message;
+    };
+    EXPECT_NE(error(R"(["wide"])").find("light 'narrow' is not one of 'lights'"), std::string::npos)
+        << error(R"(["wide"])");
+    EXPECT_NE(error(R"(["wide", "narrow", "third"])").find("no light 'third'"), std::string::npos);
 }
 
 TEST(SeveralLights, AreFoundByNameAndByNumber) {
