@@ -64,7 +64,7 @@ struct StructureTensors {
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 4)
+WEFT_NODE(StructureTensors, "structure-tensors", 5)
 
 }  // namespace
 }  // namespace weft

@@ -10,7 +10,8 @@ namespace weft::adaptive {
 namespace {
 
 constexpr size_t buckets_in_piece = 64;
-constexpr size_t pool_of = 2;  // times as many as are averaged are looked at
+constexpr float rounding = 1e-10f;  // squares of differences, against brightness, that say nothing
+constexpr size_t pool_of = 2;       // times as many as are averaged are looked at
 
 // The buckets of the tree, and all that its samples are looked at with.
 class Surroundings {
@@ -318,8 +319,16 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
             std::array<float, averaged_numbers(most_axes)> mean{};
             WEFT_PICK(mean_of_neighbours)
             (scratch.of_sample, own.data(), axes, scratch.averaged, mean.data());
+            // Least squares of what is left when the closest ones go `part` of the way to the fit.
+            // The nearer that is to all, the more of the gradients is noise as well, and distances
+            // become round; only near to all, as fits to fine texture are poor, too.
+            const float covariance = mean[numbers], variance = mean[numbers + 1];
+            const float part = settings.smooth && variance > rounding
+                                   ? std::clamp(covariance / variance, 0.0f, 1.0f)
+                                   : 0.0f;
+            const float rounder = std::pow(part, 8.0f);
             if (!last) {
-                quick_metric(mean.data(), axes, floor, upper);
+                quick_metric(mean.data(), axes, std::max(floor, rounder), upper);
                 fit(i, upper, scratch, next);
                 return;
             }
@@ -328,12 +337,7 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
             for (size_t a = 0; a < axes; ++a)
                 for (size_t b = a; b < axes; ++b, ++k)
                     tensor[a][b] = tensor[b][a] = double(mean[k]);
-            metric_of(tensor, axes, settings.floor, upper);
-            // Least squares of what is left when the closest ones go `part` of the way to the fit.
-            const float covariance = mean[numbers], variance = mean[numbers + 1];
-            const float part = settings.smooth && variance > 0
-                                   ? std::clamp(covariance / variance, 0.0f, 1.0f)
-                                   : 0.0f;
+            metric_of(tensor, axes, std::max(settings.floor, rounder), upper);
             for (size_t c = 0; c < 3; ++c)
                 made.radiance[3 * i + c] = rgb[3 * i + c] + part * made.radiance[3 * i + c];
         });
