@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "adaptive/scaled_space.h"
@@ -63,7 +64,12 @@ void AdaptiveRun::insert(const Evaluated& values) {
     done_ = largest < 1e-4 * largest_first_;
 }
 
-void AdaptiveRun::sample(Context& ctx) {
+void AdaptiveRun::sample(double seconds, Context& ctx) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto late = [&] {
+        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+        return seconds > 0 && spent.count() > seconds;
+    };
     for (auto places = request(); !places.empty(); places = request()) {
         ctx.check_cancelled();
         insert(evaluate(sampler_, places, 0, ctx));
@@ -71,6 +77,7 @@ void AdaptiveRun::sample(Context& ctx) {
         ctx.progress(double(tree_.samples()), double(budget_),
                      fmt::format("samples, {:.0f} % of the error left",
                                  100 * tree_.total_error() / left_first_));
+        if (late()) break;
     }
 }
 
@@ -161,7 +168,7 @@ LeafTree AdaptiveRun::leaves(std::span<const std::uint32_t> place) const {
 void sample_adaptively(const SamplerFunction& sampler, const AdaptiveSettings& settings,
                        Outputs& out, Context& ctx) {
     AdaptiveRun run(sampler, settings);
-    run.sample(ctx);
+    run.sample(settings.seconds, ctx);
     run.judge(ctx);
     run.look_for_hidden_noise(ctx);
     run.hand_out(out);

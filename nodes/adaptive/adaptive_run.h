@@ -16,6 +16,7 @@ struct AdaptiveSettings {
     std::uint64_t seed = 1;
     double alpha = 0;                // by chance; 0: the leaves of largest error
     int bits = -1, extra_bits = -1;  // first cells are 2^bits along an axis; -1: by `initial`
+    double seconds = 0;              // of sampling, after which no round is begun; 0: no limit
 
     // Parameters that all ways to sample adaptively have.
     template <class Node>
@@ -66,8 +67,8 @@ class AdaptiveRun {
     // Points of the next round, axes x n in [0, 1]; none: it is done.
     std::vector<std::span<const float>> request();
     void insert(const Evaluated& values);
-    // Round after round, to the end.
-    void sample(Context& ctx);
+    // Round after round, to the end, or to the first that ends after `seconds`; 0: no limit.
+    void sample(double seconds, Context& ctx);
 
     size_t samples() const { return tree_.samples(); }
     // Warns of points that had no radiance.

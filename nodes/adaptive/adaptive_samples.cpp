@@ -20,6 +20,14 @@ struct AdaptiveSamples : AdaptiveSettings {
             .out<LeafTree>("leaves", "the boxes that the domain was cut into");
         declare_shared(node);
         declare_rounds(node);
+        node.param(
+            "seconds", static_cast<double AdaptiveSamples::*>(&AdaptiveSettings::seconds),
+            {.unit = "s",
+             .min = 0,
+             .max = 1e6,
+             .about = "of sampling, after which no further round is begun, whatever budget is "
+                      "left: then a picture is no longer the same on another machine; 0: no "
+                      "limit"});
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {

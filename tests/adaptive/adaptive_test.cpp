@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <thread>
 
 #include "adaptive/adaptive_tree.h"
 #include "adaptive/leaf_tree.h"
@@ -240,6 +242,26 @@ TEST(AdaptiveSamples, AreTheSameHoweverLargeTheBudgetIsUntilTheSmallerOneEnds) {
     const auto small = sampled(1500), large = sampled(3000);
     // The round in which the small budget ended was cut short.
     for (size_t i = 0; i < 1200; ++i) ASSERT_EQ(small[i], large[i]) << i;
+}
+
+// A renderer that takes longer than there is time for: the rounds so far are a buffer like any other.
+TEST(AdaptiveSamples, EndWhenTheirTimeIsOver) {
+    SamplerFunction slow = sampler_of("disc", 16, 16);
+    const auto disc = slow.evaluate;
+    slow.evaluate = [disc](const SamplerPoints& points, std::uint64_t seed, std::span<float> rgb) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        disc(points, seed, rgb);
+    };
+    const auto samples_in = [&](double seconds) {
+        return RunNode("adaptive-samples").in("sampler", slow).set("budget", Json(8.0)).set("seconds", Json(seconds)).out<Samples>("samples");
+    };
+    const Samples cut = samples_in(0.001), whole = samples_in(0);
+    EXPECT_GT(cut.size(), 0u);
+    EXPECT_LT(cut.size(), whole.size());
+    EXPECT_EQ(whole.size(), 8u * 16 * 16);
+    double weight = 0;
+    for (const float w : cut.values("weight")) weight += double(w);
+    EXPECT_NEAR(weight / (16 * 16), 1, 1e-5);
 }
 
 TEST(AdaptiveSamples, NoiseThatNoAxisExplainsIsNoticed) {
