@@ -172,13 +172,15 @@ void allocate(Hierarchy& h, bool colored) {
 // What is known of the surfaces that a light sees.
 void take_planes(const Samples& samples, Hierarchy& h, Context& ctx) {
     const auto gradient = samples.values("z_gradient"), end = samples.values("end"),
-               z = samples.z();
+               bulge = samples.values("bulge"), z = samples.z();
     if (!gradient.empty()) h.plane_x.resize(h.size()), h.plane_y.resize(h.size());
     if (!end.empty()) h.end.resize(h.size());
+    if (!bulge.empty()) h.bulge.resize(h.size());
     ctx.parallel(h.size(), 65536, [&](size_t begin, size_t last) {
         for (size_t i = begin; i < last; ++i) {
             const size_t from = h.order[i];
             if (!end.empty()) h.end[i] = end[from];
+            if (!bulge.empty()) h.bulge[i] = bulge[from];
             if (gradient.empty()) continue;
             const float square = -1 / (z[from] * z[from]);
             h.plane_x[i] = gradient[2 * from] * square;

@@ -9,7 +9,8 @@ namespace weft {
 
 size_t Hierarchy::bytes() const {
     size_t floats = X.size() + Y.size() + W.size() + paths.size() +
-                    rgba.size() + plane_x.size() + plane_y.size() + end.size() + order.size();
+                    rgba.size() + plane_x.size() + plane_y.size() + end.size() +
+                    bulge.size() + order.size();
     floats += radii.size() + 10 * groups.size();
     for (const Rects& level : levels) floats += 4 * level.size();
     return 4 * floats + groups.moves.size();

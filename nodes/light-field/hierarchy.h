@@ -40,9 +40,9 @@ class Hierarchy {
     LargeArray<float> paths;  // W, VX, VY, VW, 4 a sample; empty where nothing moves
     LargeArray<float> rgba;   // 4 a sample: radiance, alpha
     // Where a light sees them, in the place of radiance: the change of 1/w a px of film
-    // of each sample's surface (empty: not known), and its `end` (shadows/passing_rays_kernel.h;
-    // empty: 0).
-    LargeArray<float> plane_x, plane_y, end;
+    // of each sample's surface (empty: not known), and its `end` and `bulge`
+    // (shadows/passing_rays_kernel.h; empty: 0).
+    LargeArray<float> plane_x, plane_y, end, bulge;
     LargeArray<std::uint32_t> order;  // index in the buffer
     Array<float> uv, t;  // the buffer's own, in its order: where and when each was seen
     Array<std::uint32_t> source;  // the same of what a light sees: the camera sample it was for

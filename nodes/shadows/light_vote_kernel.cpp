@@ -27,6 +27,7 @@ class Voting {
           out_(out) {
         lx_ = at.u[0], ly_ = at.v[0];
         lens_x_ = hits.lens.c0 * hits.lens.aspect, lens_y_ = hits.lens.c0;
+        angle_ = 1 / float(view.k);
         level_ = 1 / std::max({std::abs(lens_x_), std::abs(lens_y_), 1e-30f});
     }
 
@@ -233,7 +234,7 @@ class Voting {
     }
 
     // How far passes move a unit of 1/w, as the light is looked at from here and not from where
-    // their rays started.
+    // their rays started; and how far what bends may come out beside them.
     void find_ways(size_t count) {
         if (passes_.uv.empty()) return;
         auto& passing = s_.passing;
@@ -244,10 +245,16 @@ class Voting {
             const VI from = hn::ShiftLeft<1>(hn::GatherIndex(sn, order, hn::BitCast(sn, sample)));
             const VF lx = hn::GatherIndex(f, passes_.uv.view().data(), from),
                      ly = hn::GatherIndex(f, passes_.uv.view().data() + 1, from);
-            hn::StoreU(hn::Mul(hn::Set(f, lens_x_), hn::Sub(hn::Set(f, lx_), lx)), f,
-                       &passing.way_x[i]);
-            hn::StoreU(hn::Mul(hn::Set(f, lens_y_), hn::Sub(hn::Set(f, ly_), ly)), f,
-                       &passing.way_y[i]);
+            const VF x = hn::Mul(hn::Set(f, lens_x_), hn::Sub(hn::Set(f, lx_), lx)),
+                     y = hn::Mul(hn::Set(f, lens_y_), hn::Sub(hn::Set(f, ly_), ly));
+            hn::StoreU(x, f, &passing.way_x[i]);
+            hn::StoreU(y, f, &passing.way_y[i]);
+            // Squared, the angle between the rays.
+            const VF part = hn::Mul(hn::Set(f, angle_), hn::LoadU(f, &passing.inverse[i]));
+            const VF bulge = hn::GatherIndex(f, passes_.bulge.data(), hn::BitCast(sn, sample));
+            hn::StoreU(hn::Mul(hn::Mul(bulge, hn::Mul(part, part)),
+                               hn::Add(hn::Mul(x, x), hn::Mul(y, y))),
+                       f, &passing.bulge[i]);
         }
     }
 
@@ -255,20 +262,23 @@ class Voting {
     bool free_of(size_t stop, size_t count) const {
         const auto& passing = s_.passing;
         const float x = s_.stops.x[stop], y = s_.stops.y[stop];
-        const VF inverse = hn::Set(f, s_.stops.inverse[stop]), far = hn::Set(f, x * x + y * y),
-                 level = hn::Set(f, level_);
+        const VF inverse = hn::Set(f, s_.stops.inverse[stop]),
+                 far = hn::Set(f, std::sqrt(x * x + y * y)), level = hn::Set(f, level_);
         for (size_t i = 0; i < count; i += lanes) {
             const VF move = hn::Sub(inverse, hn::LoadU(f, &passing.inverse[i])),
                      behind = hn::Sub(inverse, hn::LoadU(f, &passing.end[i]));
             // It goes on well behind the surface; or behind it and was seen to pass it.
             const auto free = hn::Or(hn::Gt(behind, level), hn::And(hn::Gt(behind, hn::Zero(f)),
                                                                     hn::Lt(hn::Abs(move), level)));
-            VF px = hn::LoadU(f, &passing.x[i]), py = hn::LoadU(f, &passing.y[i]);
+            VF px = hn::LoadU(f, &passing.x[i]), py = hn::LoadU(f, &passing.y[i]),
+               bulge = hn::Zero(f);
             if (!passes_.uv.empty()) {
                 px = hn::Add(px, hn::Mul(move, hn::LoadU(f, &passing.way_x[i])));
                 py = hn::Add(py, hn::Mul(move, hn::LoadU(f, &passing.way_y[i])));
+                bulge = hn::LoadU(f, &passing.bulge[i]);
             }
-            const auto nearer = hn::Lt(hn::Add(hn::Mul(px, px), hn::Mul(py, py)), far);
+            const VF away = hn::Sqrt(hn::Add(hn::Mul(px, px), hn::Mul(py, py)));
+            const auto nearer = hn::Lt(hn::Add(away, bulge), far);
             const auto found = hn::And(hn::And(free, nearer), hn::FirstN(f, count - i));
             if (!hn::AllFalse(f, found)) return true;
         }
@@ -282,7 +292,7 @@ class Voting {
     const PlaneVectors planes_;
     LightVoteScratch& s_;
     LightShares& out_;
-    float lx_ = 0, ly_ = 0, lens_x_ = 0, lens_y_ = 0, level_ = 0;
+    float lx_ = 0, ly_ = 0, lens_x_ = 0, lens_y_ = 0, level_ = 0, angle_ = 0;
     float reach_ = 0, cell_ = 0;  // px
     size_t pitch_ = 0;            // of the grid
     size_t n_ = 0, stops_ = 0;    // places in `nearer` and `stops`

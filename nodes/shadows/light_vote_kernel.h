@@ -35,13 +35,13 @@ struct LightVoteScratch {
             sample.resize(2 * n);
         }
     } nearer, stops;
-    // Of a receiver, the passes among `nearer`: where, how deep, how deep they get and how far they
-    // move over the film a unit of 1/w.
+    // Of a receiver, the passes among `nearer`: where, how deep, how deep they get, how far they
+    // move over the film a unit of 1/w, and how far what bends comes out beside them.
     struct Passes {
-        std::vector<float> x, y, inverse, end, way_x, way_y;
+        std::vector<float> x, y, inverse, end, way_x, way_y, bulge;
         void grow(size_t n) {
             if (x.size() >= n) return;
-            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y}) values->resize(2 * n);
+            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y, &bulge}) values->resize(2 * n);
         }
     } passing;
     std::vector<std::uint32_t> sample;  // of `passing`

@@ -22,7 +22,8 @@ struct PassRays {
                          Need::optional)
             .out<Samples>("passes",
                           "a light sample where a ray passes a surface: at its depth, with its "
-                          "motion; `end` is how deep the ray gets")
+                          "motion; `end` is how deep the ray gets, `bulge` (px) half the radius of a "
+                          "surface that bends there")
             .param("radius-scale", &PassRays::radius_scale,
                    {.unit = "R",
                     .min = 0.05,
@@ -53,7 +54,7 @@ struct PassRays {
     }
 };
 
-WEFT_NODE(PassRays, "passing-rays", 3)
+WEFT_NODE(PassRays, "passing-rays", 4)
 
 }  // namespace
 }  // namespace weft

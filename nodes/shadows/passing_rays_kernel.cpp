@@ -30,6 +30,7 @@ constexpr int block = 8;  // px
 struct Pass {
     std::uint32_t ray, surface;  // samples of the hierarchy: whose ray, past whose surface
     float depth;                 // w of the surface's plane where the ray goes by
+    float bulge;                 // px: half the radius of what bends there
 };
 
 // Light samples as rays: where, from where and when each was sent.
@@ -112,24 +113,45 @@ class Finder {
         WEFT_PICK(gather_before)
         (h, scratch.block, nearest_, view_, at, scratch.ends, set_.radius_scale, set_.bias, c);
         light_field::tell_surfaces(c, scratch.cluster, scratch.surfaces);
-        // Of each surface the sample that lands nearest.
+        // Of each surface the samples that land nearest and farthest.
         for (size_t l = 0; l < of.size(); ++l)
             for (std::uint16_t k = 0; k < scratch.surfaces.count_of[l]; ++k) {
-                float least = 1e38f;
-                std::uint32_t nearest = 0;
+                float least = 1e38f, most = -1;
+                std::uint32_t nearest = 0, farthest = 0;
                 for (std::uint32_t i = c.offset[l]; i < c.offset[l + 1]; ++i) {
                     if (scratch.surfaces.surface[i] != k) continue;
                     const float d2 = c.dx[i] * c.dx[i] + c.dy[i] * c.dy[i];
                     if (d2 < least) least = d2, nearest = i;
+                    if (d2 > most) most = d2, farthest = i;
                 }
+                const std::uint32_t s = c.sample[nearest];
+                const float lx = c.u_of(l), ly = c.v_of(l), d = c.t_of(l) - 0.5f;
+                const float tilt = tilt_of(s, lx, ly, d),
+                            inner = tilt_of(c.sample[farthest], lx, ly, d);
                 found.push_back(
-                    {of[l], c.sample[nearest],
-                     planes_.depth_beside(c.sample[nearest], c.dx[nearest], c.dy[nearest],
-                                          c.u_of(l), c.v_of(l), c.t_of(l) - 0.5f)});
+                    {of[l], s, planes_.depth_beside(s, c.dx[nearest], c.dy[nearest], lx, ly, d),
+                     0.5f * radius_of(std::sqrt(least), tilt, std::sqrt(most), inner)});
             }
     }
 
   private:
+    // The squared tangent of the angle between a sample's normal and the ray to it.
+    float tilt_of(std::uint32_t s, float lx, float ly, float d) const {
+        const Slope h = planes_.from(planes_.slope(s), lx, ly);
+        const float scale = planes_.depth_at(s, d) * float(view_.k);
+        return (h.x * h.x + h.y * h.y) * scale * scale;
+    }
+    // The radius, px, of a surface that bends away to its outline between a ray that goes by and
+    // two of its samples, `near` and `far` px from the ray; 0 if it does not bend. Near a ball's
+    // outline the tilt is r / (2 px) so many px inside.
+    static float radius_of(float near, float tilt, float far, float inner) {
+        const float change = 1 / std::max(inner, 1e-6f) - 1 / std::max(tilt, 1e-6f);
+        if (!(change > 0)) return 0;
+        // A ray that goes by is about as far outside as the nearest sample is inside. Where the
+        // samples' tilts differ by much less than that of a ball would, it is a face with an edge.
+        const float by_both = 2 * (far - near) / change, by_nearest = near * tilt;
+        return by_both > 4 * by_nearest ? 0 : by_both;
+    }
     // The rays as places on the film, and what they meet.
     void ask(std::span<const std::uint32_t> of, Locations& at, ShadowQueries& ends) const {
         const Hierarchy& h = planes_.hierarchy();
@@ -202,6 +224,7 @@ Samples as_samples(const std::vector<std::vector<Pass>>& found, const Hierarchy&
             to[0] = hits.plane_x[pass.surface] * square;
             to[1] = hits.plane_y[pass.surface] * square;
         });
+    add("bulge", 1, [](const Pass& pass, const Ray&, float* to) { *to = pass.bulge; });
     add("end", 1, [](const Pass&, const Ray& ray, float* to) { *to = ray.depth; });
     std::vector<std::uint64_t> first(out.pixels() + 1, 0);
     first.back() = n;

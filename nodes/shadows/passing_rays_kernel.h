@@ -21,7 +21,8 @@ struct PassingRays {
 
 // A light sample for each ray and each surface that it passes, in the order of blocks of the film:
 // where and when the ray was sent, as deep as the surface, moving and tilted as it does; channel
-// `end` is w of the ray's own hit.
+// `end` is w of the ray's own hit; `bulge`, px, how far a surface that bends may come out beside it
+// as it is seen from points of the light that are an angle of 1 away: half the surface's radius.
 //   hits      of the light samples
 //   density   light pixels a camera pixel of each camera sample; empty: 1
 Samples passes(const Hierarchy& hits, std::span<const float> density, const LightView& view,

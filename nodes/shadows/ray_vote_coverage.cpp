@@ -51,7 +51,7 @@ struct RayVoteCoverage {
     }
 };
 
-WEFT_NODE(RayVoteCoverage, "ray-vote-coverage", 3)
+WEFT_NODE(RayVoteCoverage, "ray-vote-coverage", 4)
 
 }  // namespace
 }  // namespace weft

@@ -20,7 +20,8 @@ RayVoting::RayVoting(const Hierarchy& hits, const Hierarchy& passes, const Light
       lens_x_(hits.lens.c0 * hits.lens.aspect),
       lens_y_(hits.lens.c0),
       // Of 1/w, what moves a sample by a pixel over the light's half extent.
-      level_(1 / std::max({std::abs(lens_x_), std::abs(lens_y_), 1e-30f})) {}
+      level_(1 / std::max({std::abs(lens_x_), std::abs(lens_y_), 1e-30f})),
+      angle_(1 / float(view.k)) {}
 
 RayVoting::Receiver RayVoting::receiver(const Candidates& hits, const ShadowQueries& queries,
                                         size_t l) const {
@@ -69,10 +70,15 @@ void RayVoting::by_passes(const Candidates& hits, const Candidates& passes,
             if (!before(at, passes_, passes, i)) continue;
             const std::uint32_t s = passes.sample[i], j = h.order[s];
             RayVoteScratch::Pass pass{
-                passes.dx[i], passes.dy[i], 1 / passes_.depth_at(s, at.time), 0, 0, 1 / h.end[s]};
-            if (!h.uv.empty())
-                pass.way_x = lens_x_ * (at.lx - h.uv[2 * j]),
+                passes.dx[i], passes.dy[i], 1 / passes_.depth_at(s, at.time), 0, 0, 1 / h.end[s], 0};
+            if (!h.uv.empty()) {
+                pass.way_x = lens_x_ * (at.lx - h.uv[2 * j]);
                 pass.way_y = lens_y_ * (at.ly - h.uv[2 * j + 1]);
+                // Squared, the angle between the rays.
+                const float part = angle_ * pass.inverse;
+                pass.bulge = h.bulge[s] * part * part *
+                             (pass.way_x * pass.way_x + pass.way_y * pass.way_y);
+            }
             scratch.passes.push_back(pass);
         }
         bool stopped = false;
@@ -86,7 +92,7 @@ void RayVoting::by_passes(const Candidates& hits, const Candidates& passes,
 bool RayVoting::free_of(const Receiver& r, const Candidates& hits, std::uint32_t hit,
                         std::span<const RayVoteScratch::Pass> passes) const {
     if (passes.empty()) return false;
-    const float x = hits.dx[hit], y = hits.dy[hit], far = r.metric.square(x, y);
+    const float x = hits.dx[hit], y = hits.dy[hit], far = std::sqrt(r.metric.square(x, y));
     const float inverse = 1 / hits_.depth_beside(hits.sample[hit], x, y, r.lx, r.ly, r.time);
     for (const RayVoteScratch::Pass& pass : passes) {
         const float move = inverse - pass.inverse;
@@ -94,7 +100,7 @@ bool RayVoting::free_of(const Receiver& r, const Candidates& hits, std::uint32_t
         const float behind = inverse - pass.end;
         if (!(behind > level_ || (behind > 0 && std::abs(move) < level_))) continue;
         const float px = pass.x + move * pass.way_x, py = pass.y + move * pass.way_y;
-        if (r.metric.square(px, py) < far) return true;
+        if (std::sqrt(r.metric.square(px, py)) + pass.bulge < far) return true;
     }
     return false;
 }

@@ -20,12 +20,15 @@ struct RayVoteScratch {
         float x, y, inverse;  // px from the receiver, and 1/w there
         float way_x, way_y;   // px it moves a unit of 1/w
         float end;            // 1/w where it ends
+        float bulge;          // px that the surface beside it may come out
     };
     std::vector<Pass> passes;
 };
 
 // A receiver does not see the light's point if a ray was stopped on its way that comes nearer to it
 // there than all rays that are free of what stopped it: that go by where that surface is, and on.
+// Of a surface that bends, what one point of the light sees beside its outline may be hidden from
+// another: rays that were sent from elsewhere count as farther by that.
 // So rims lie in the middle between the last ray that was stopped and the first that went past;
 // over many points of the light this is the share of rays that a surface lets through.
 // Source: own, in place of the coverage of Lehtinen et al. 2011, Sec. 3.4 and 4.
@@ -58,7 +61,7 @@ class RayVoting {
 
     const Planes hits_, passes_;
     const RayVote set_;
-    float lens_x_, lens_y_, level_;
+    float lens_x_, lens_y_, level_, angle_;
 };
 
 }  // namespace weft::shadows
