@@ -84,6 +84,9 @@ void PathTracer::Pass::sample_lights(int vertex) {
         if (first && wants(ChannelId::light_uv))
             out.at(ChannelId::light_uv, i)[0] = point.u,
                                         out.at(ChannelId::light_uv, i)[1] = point.v;
+        if (first && wants(ChannelId::light_point) && std::isfinite(light.distance))
+            out.set(ChannelId::light_point, i,
+                    shade.point.position + light.direction * light.distance);
         if (first && wants(ChannelId::light_index))
             out.ids[size_t(ChannelId::light_index)][i] = light.light;
         if (!(light.density > 0) || shade.bsdf.delta()) {

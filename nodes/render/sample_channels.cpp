@@ -37,6 +37,7 @@ constexpr std::array<ChannelInfo, channel_count> infos{{
     {"shadow_hit", 3},
     {"shadow_normal", 3},
     {"shadow_motion", 3},
+    {"light_point", 3},
 }};
 
 }  // namespace

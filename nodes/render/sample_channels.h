@@ -40,8 +40,9 @@ enum class ChannelId {
     shadow_hit,
     shadow_normal,
     shadow_motion,
+    light_point,
 };
-inline constexpr size_t channel_count = size_t(ChannelId::shadow_motion) + 1;
+inline constexpr size_t channel_count = size_t(ChannelId::light_point) + 1;
 
 struct ChannelInfo {
     std::string_view name;

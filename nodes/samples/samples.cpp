@@ -32,7 +32,7 @@ constexpr std::array standard_channels = {
     Standard{"specular", 3, Role::radiance},  Standard{"position2", 3, Role::feature},
     Standard{"normal2", 3, Role::feature},    Standard{"albedo2", 3, Role::feature},
     Standard{"shadow_hit", 3, Role::none},    Standard{"shadow_normal", 3, Role::none},
-    Standard{"shadow_motion", 3, Role::none},
+    Standard{"shadow_motion", 3, Role::none}, Standard{"light_point", 3, Role::none},
 };
 
 const Standard* find_standard(std::string_view channel) {

@@ -1,6 +1,6 @@
 // light-samples-from-file: light samples of the shadow rays that a renderer recorded, without its
 // scene: shadow_hit, the first thing that the light sees along a sample's own shadow ray, from
-// point light_uv.
+// light_point, or point light_uv of a quad or a disc.
 #include <fmt/format.h>
 
 #include <atomic>
@@ -20,8 +20,9 @@ struct LightSamplesFromFile {
                 "what the light saw along shadow rays that a renderer recorded: one a sample, no "
                 "scene needed")
             .in<Samples>("samples",
-                         "xy, z, shadow_hit, light_uv (uv, t, motion, shadow_normal, "
-                         "shadow_motion; light_index where there are several lights)")
+                         "xy, z, shadow_hit, light_point, or light_uv of a quad or a disc (uv, t, "
+                         "motion, shadow_normal, shadow_motion; light_index where there are "
+                         "several lights)")
             .in<LightView>("light-view", "of the same samples")
             .out<Samples>("light-samples",
                           "seen from the light; samples of other lights, of the background and "
@@ -35,11 +36,13 @@ struct LightSamplesFromFile {
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
         const LightView& view = in.get<LightView>("light-view");
-        samples.require("light-samples-from-file", {"xy", "z", "shadow_hit", "light_uv"});
-        if (!view.same_points() || view.shape == LightView::Shape::mesh)
+        samples.require("light-samples-from-file", {"xy", "z", "shadow_hit"});
+        const bool points = samples.find("light_point") != nullptr;
+        if (!points) samples.require("light-samples-from-file", {"light_uv"});
+        if (!points && (!view.same_points() || view.shape == LightView::Shape::mesh))
             ctx.fail(
                 fmt::format("light '{}' is a ball or a mesh, whose points light_uv does not name; "
-                            "render-light-samples draws its own",
+                            "expected light_point, which render-samples writes on demand (channels)",
                             view.name));
         const Channel* index = samples.find("light_index");
         const Recorded from(samples);
@@ -64,8 +67,8 @@ struct LightSamplesFromFile {
         if (kept == 0 && hits > 0)
             ctx.fail(
                 fmt::format("none of {} shadow_hit lies between light '{}' and what its "
-                            "sample shows; expected world positions on the ray from light_uv",
-                            size_t(hits), view.name));
+                            "sample shows; expected world positions on the ray from {}",
+                            size_t(hits), view.name, points ? "light_point" : "light_uv"));
         warn_of(all_unseen, view, ctx);
         const double part = all > 0 && hits > 0 ? double(hits) / double(all) : 1;
         out.set("light-samples", std::move(made).take(view, samples, part));
@@ -76,11 +79,12 @@ struct LightSamplesFromFile {
         explicit Recorded(const Samples& s)
             : camera(s),
               hit(s.values("shadow_hit")),
+              light_point(s.values("light_point")),
               light_uv(s.values("light_uv")),
               normal(s.values("shadow_normal")),
               motion(s.values("shadow_motion")) {}
         CameraSamples camera;
-        std::span<const float> hit, light_uv, normal, motion;
+        std::span<const float> hit, light_point, light_uv, normal, motion;
 
         static Point3 at(std::span<const float> values, size_t i) {
             return {double(values[3 * i]), double(values[3 * i + 1]), double(values[3 * i + 2])};
@@ -91,16 +95,17 @@ struct LightSamplesFromFile {
             const auto ends = camera.ends(i);
             const Point3 receiver = view.from_camera(ends[0], ends[1], t);
             if (!(receiver.z > view.nearest)) return false;
-            const auto l =
-                view.point(double(light_uv[2 * i]), double(light_uv[2 * i + 1]), receiver);
+            const LightPoint l =
+                light_point.empty()
+                    ? view.draw(double(light_uv[2 * i]), double(light_uv[2 * i + 1]), receiver)
+                    : view.seen_through(view.from_world(at(light_point, i), t), receiver);
             const Point3 world = at(hit, i), seen = view.from_world(world, t);
-            const Point3 from{view.ax * l[0], view.ay * l[1], 0}, ray = receiver - from,
-                                                                  way = seen - from;
+            const Point3 from = view.start(l, receiver), ray = receiver - from, way = seen - from;
             const double along = dot(way, ray) / dot(ray, ray);
             const Point3 aside = way - ray * along;
             if (!(along > 0 && along < 1 + 1e-3) || !(dot(aside, aside) < 1e-6 * dot(ray, ray)))
                 return false;
-            out = {seen, {}, {}, t, l[0], l[1], std::uint32_t(i)};
+            out = {seen, {}, {}, t, l.lx, l.ly, std::uint32_t(i)};
             if (!normal.empty()) out.normal = view.from_world(world + at(normal, i), t) - seen;
             const Point3 gap = seen - receiver;
             if (dot(gap, gap) < 1e-8 * dot(ray, ray)) {

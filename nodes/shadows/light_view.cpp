@@ -141,7 +141,7 @@ LightPoint LightView::on_mesh(double a, double b, Point3 p) const {
 // Where the ray from a point of the light to a receiver crosses the plane. A receiver that sees the
 // plane edge-on would look past the film's reach.
 LightPoint LightView::seen_through(Point3 at, Point3 p) const {
-    if (!(at.z < p.z)) return {};
+    if (shape == Shape::point || !(at.z < p.z)) return {};
     const Point3 on_plane = p + (at - p) * (p.z / (p.z - at.z));
     return {std::clamp(on_plane.x / ax, -1.0, 1.0), std::clamp(on_plane.y / ay, -1.0, 1.0), at.z};
 }

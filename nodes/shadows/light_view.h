@@ -111,6 +111,8 @@ class LightView {
         const LightPoint at = draw(a, b, receiver);
         return {at.lx, at.ly};
     }
+    // A point of the light in light space, as the receiver sees it.
+    LightPoint seen_through(Point3 at, Point3 receiver) const;
     // Where the ray to a receiver starts, in light space.
     Point3 start(const LightPoint& at, Point3 receiver) const {
         const Point3 on_plane{ax * at.lx, ay * at.ly, 0};
@@ -127,7 +129,6 @@ class LightView {
   private:
     LightPoint on_ball(double a, double b, Point3 receiver) const;
     LightPoint on_mesh(double a, double b, Point3 receiver) const;
-    LightPoint seen_through(Point3 at, Point3 receiver) const;
 };
 
 WEFT_VALUE_TYPE(LightView, "LightView", "a light that looks at the receivers of a sample buffer")

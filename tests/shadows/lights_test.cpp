@@ -346,6 +346,14 @@ TEST(MeshLights, AreReconstructedAsQuadsAre) {
     const double input = rmse(mean_of(file, 64, 16, 16), truth), error = rmse(from_mesh, truth);
     EXPECT_LT(error, 0.6 * input);
     EXPECT_LT(error, 1.25 * rmse(from_quad, truth));
+    // From recorded rays alone, too.
+    std::stringstream seven;
+    seven << std::ifstream(graphs + "tlfr-7d.json").rdbuf();
+    const Image recorded = GraphRun(seven.str(), 32, 1, true,
+                                    {"scene=" + file, "width=64", "height=16", "spp=16",
+                                     "locations=64", "out=OUT"})
+                               .picture;
+    EXPECT_LT(rmse(recorded, truth), 0.6 * input);
 }
 
 }  // namespace

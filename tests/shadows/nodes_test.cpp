@@ -39,7 +39,7 @@ std::string graph_of(const std::string& file, const std::string& kind, int seed 
     const std::string head = fmt::format(R"({{"weft": 1, "nodes": {{
         "scene":  {{"type": "read-scene", "set": {{"file": "{}"}}}},
         "render": {{"type": "render-samples", "in": {{"scene": "scene"}}, "set": {{"width": 96, "height": 60, "spp": {}, "seed": {}, "max-depth": 1, "mode": "direct",
-                   "channels": ["basic", "position", "geometric_normal", "normal", "albedo", "direct", "direct_unshadowed", "light_index", "light_uv", "shadow_hit", "shadow_normal", "shadow_motion"]}}}},
+                   "channels": ["basic", "position", "geometric_normal", "normal", "albedo", "direct", "direct_unshadowed", "light_index", "light_point", "shadow_hit", "shadow_normal", "shadow_motion"]}}}},
         "write":  {{"type": "write-image", "in": {{"image": "picture"}}, "set": {{"file": "OUT", "depth": "float"}}}},)",
                                          file, kind == "reference" ? 256 : 4, seed);
     if (kind != "shadows" && kind != "recorded" && kind != "published")
@@ -158,7 +158,8 @@ TEST(LightSamplesFromFile, NeedNoScene) {
     TestFolder folder;
     const std::string file = folder / "scene.json";
     for (const std::string& scene :
-         {scene_text(quad), scene_text(disc), scene_text(moving_quad), scene_text(quad, 1)}) {
+         {scene_text(quad), scene_text(disc), scene_text(ball), scene_text(moving_quad),
+          scene_text(quad, 1)}) {
         std::ofstream(file) << scene;
         const Image truth = GraphRun(graph_of(file, "reference", 7)).picture;
         const double input = rmse(GraphRun(graph_of(file, "input")).picture, truth);
@@ -238,9 +239,20 @@ TEST(LightSamplesFromFile, SaysWhatIsWrong) {
                 .out<Samples>("light-samples");
         });
     };
-    EXPECT_NE(error(round.samples, round.view).find("is a ball"), std::string::npos);
+    const auto without = [](Samples samples, const char* channel) {
+        std::erase_if(samples.channels, [&](const Channel& c) { return c.name == channel; });
+        return samples;
+    };
+    EXPECT_EQ(error(round.samples, round.view), "");
+    const std::string points = error(without(round.samples, "light_point"), round.view);
+    EXPECT_NE(points.find("is a ball"), std::string::npos) << points;
+    EXPECT_NE(points.find("expected light_point"), std::string::npos) << points;
     const Seen flat(scene_text(quad));
     EXPECT_EQ(error(flat.samples, flat.view), "");
+    EXPECT_EQ(error(without(flat.samples, "light_point"), flat.view), "");
+    EXPECT_NE(error(without(without(flat.samples, "light_point"), "light_uv"), flat.view)
+                  .find("needs light_uv"),
+              std::string::npos);
     Samples wrong = flat.samples;
     wrong.add("shadow_hit", 3, std::vector<float>(3 * wrong.size(), 77.0f));
     EXPECT_NE(error(wrong, flat.view).find("none of"), std::string::npos);
