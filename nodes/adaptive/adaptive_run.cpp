@@ -85,7 +85,7 @@ void AdaptiveRun::judge(Context& ctx) const {
     judge_broken(broken_, tree_.samples(), ctx);
 }
 
-void AdaptiveRun::look_for_hidden_noise(Context& ctx) const {
+double AdaptiveRun::look_for_hidden_noise(Context& ctx) const {
     std::vector<std::vector<float>> places(tree_.dimensions());
     for (size_t i = 0; i < tree_.samples(); i += 100)
         for (size_t d = 0; d < tree_.dimensions(); ++d)
@@ -108,15 +108,17 @@ void AdaptiveRun::look_for_hidden_noise(Context& ctx) const {
                 within += std::abs(double(tree_.rgb()[3 * size_t(s) + c]) - mean), ++n;
         }
     }
-    if (n > 0 && hidden > 0.2 * within / n)
-        ctx.warn(fmt::format(
-            "{:.0f} % of what samples of a box differ by no axis explains: boxes get samples "
-            "that do not help them; make the axes explicit that are random, "
-            "or sample evenly (uniform-samples)",
-            std::min(100.0, 100 * hidden / (within / n))));
+    if (!(n > 0 && hidden > 0.2 * within / n)) return 0;
+    const double part = std::min(1.0, hidden / (within / n));
+    ctx.warn(fmt::format(
+        "{:.0f} % of what samples of a box differ by no axis explains: boxes get samples "
+        "that do not help them; make the axes explicit that are random, "
+        "or sample evenly (uniform-samples)",
+        100 * part));
+    return part;
 }
 
-void AdaptiveRun::hand_out(Outputs& out) const {
+void AdaptiveRun::hand_out(Outputs& out, double hidden_noise) const {
     const size_t axes = tree_.dimensions(), n = tree_.samples();
     double pixel = 1;  // volume above one
     for (size_t d = 2; d < axes; ++d) pixel *= double(settings_.extent[d]);
@@ -133,6 +135,7 @@ void AdaptiveRun::hand_out(Outputs& out) const {
     const std::vector<std::span<const float>> views(points.begin(), points.end());
     const Evaluated values{{tree_.rgb().begin(), tree_.rgb().end()}, features_, 0};
     Samples samples = samples_of(sampler_, views, values, weight, order);
+    if (hidden_noise > 0) samples.meta.set("hidden_noise", hidden_noise);
     std::vector<std::uint32_t> place(n);
     for (size_t i = 0; i < n; ++i) place[order[i]] = std::uint32_t(i);
     if (out.wanted("samples")) out.set("samples", std::move(samples));
@@ -170,8 +173,7 @@ void sample_adaptively(const SamplerFunction& sampler, const AdaptiveSettings& s
     AdaptiveRun run(sampler, settings);
     run.sample(settings.seconds, ctx);
     run.judge(ctx);
-    run.look_for_hidden_noise(ctx);
-    run.hand_out(out);
+    run.hand_out(out, run.look_for_hidden_noise(ctx));
 }
 
 }  // namespace weft::adaptive

@@ -74,9 +74,11 @@ class AdaptiveRun {
     // Warns of points that had no radiance.
     void judge(Context& ctx) const;
     // Warns of noise that no axis explains: every box looks as if it needed more samples, and none
-    // is helped by them. One point in a hundred is asked for again.
-    void look_for_hidden_noise(Context& ctx) const;
-    void hand_out(Outputs& out) const;
+    // is helped by them. One point in a hundred is asked for again. The part of what samples of a
+    // box differ by; 0 where it is small.
+    double look_for_hidden_noise(Context& ctx) const;
+    // `hidden_noise` goes into the samples' meta.
+    void hand_out(Outputs& out, double hidden_noise = 0) const;
 
   private:
     LeafTree leaves(std::span<const std::uint32_t> place) const;

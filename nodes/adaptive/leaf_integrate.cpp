@@ -24,6 +24,7 @@ using namespace adaptive;
 
 enum class Order { constant, linear };
 
+// Of a pixel, with one axis beside x and y; over more they spread as their number's root.
 constexpr double points_of_pixel = 64;
 
 struct LeafIntegrate {
@@ -84,7 +85,9 @@ struct LeafIntegrate {
   private:
     static Metrics metrics_of(const Samples& samples, const LeafTree& leaves, Context& ctx) {
         Metrics metrics = metrics_over(samples, &leaves, "leaf-integrate");
-        metrics.vary(samples.rgb(), TensorSettings{}, ctx);
+        TensorSettings settings;
+        settings.smooth = has_hidden_noise(samples);
+        metrics.vary(samples.rgb(), settings, ctx);
         return metrics;
     }
     // What of a box lies over the pixels of some rows.
@@ -160,7 +163,7 @@ struct LeafIntegrate {
                   AnisotropicRadiance::Scratch& scratch, std::vector<float>& rgb) {
             const size_t axes = leaves_.dimensions();
             const float *lo = &leaves_.lo[l * axes], *hi = &leaves_.hi[l * axes];
-            double wanted = points_of_pixel;
+            double wanted = points_of_pixel * std::sqrt(double(std::max<size_t>(axes, 3) - 2));
             for (size_t d = 2; d < axes; ++d)
                 wanted *= double(hi[d] - lo[d]) / double(leaves_.extent[d]);
             const auto n = size_t(std::clamp(std::ceil(wanted), 1.0, 16.0));
@@ -223,7 +226,7 @@ struct LeafIntegrate {
     };
 };
 
-WEFT_NODE(LeafIntegrate, "leaf-integrate", 4)
+WEFT_NODE(LeafIntegrate, "leaf-integrate", 5)
 
 }  // namespace
 }  // namespace weft

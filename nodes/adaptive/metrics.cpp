@@ -32,6 +32,11 @@ void Metrics::vary(std::span<const float> rgb, const adaptive::TensorSettings& s
     supports = std::move(found.supports);
 }
 
+bool has_hidden_noise(const Samples& samples) {
+    const Json* part = samples.meta.find("hidden_noise");
+    return part && part->is(Json::Kind::number) && part->number > 0;
+}
+
 void Metrics::describe(FieldVisitor& see) const {
     see.field("upper", std::span(upper), int(numbers()));
     if (tree) see.field("sample", tree->order());

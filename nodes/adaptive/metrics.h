@@ -40,6 +40,9 @@ struct Metrics {
 // Throws Error, as `who`, where there are no samples or an axis is missing.
 Metrics metrics_over(const Samples& samples, const LeafTree* leaves, std::string_view who);
 
+// Whether adaptive-samples found that no axis explains the noise of this buffer.
+bool has_hidden_noise(const Samples& samples);
+
 WEFT_VALUE_TYPE(Metrics, "Metrics", "a distance around each sample, of all its axes")
 
 }  // namespace weft

@@ -37,7 +37,7 @@ struct ProbabilitySamples : AdaptiveSettings {
     }
 };
 
-WEFT_NODE(ProbabilitySamples, "probability-samples", 2)
+WEFT_NODE(ProbabilitySamples, "probability-samples", 3)
 
 }  // namespace
 }  // namespace weft

@@ -10,10 +10,12 @@ namespace weft {
 namespace {
 using namespace adaptive;
 
+enum class Smooth { where_noisy, always, never };
+
 struct StructureTensors {
     int neighbours = 24, averaged = 96;
     float floor = 0.001f, ridge = 1e-6f;
-    bool smooth = true;
+    Smooth smooth = Smooth::where_noisy;
 
     static void declare(Ports<StructureTensors>& node) {
         node.about(
@@ -46,9 +48,10 @@ struct StructureTensors {
                    {.min = 0,
                     .max = 1,
                     .about = "holds gradients down where neighbours lie in a plane"})
-            .param("smooth", &StructureTensors::smooth,
-                   {.about = "what no axis explains is taken off radiance, as far as that predicts "
-                             "samples better than the nearest ones do; of blend linear"});
+            .choice("smooth", &StructureTensors::smooth, {"auto", "always", "never"},
+                    {.about = "whether what no axis explains is taken off radiance, as far as that "
+                              "predicts samples better than the nearest ones do; auto: where "
+                              "adaptive-samples found such noise. For blend linear"});
     }
 
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
@@ -56,15 +59,17 @@ struct StructureTensors {
         const LeafTree* leaves = in.find<LeafTree>("leaves");
         samples.require("structure-tensors", {"xy", "rgb"});
         Metrics metrics = metrics_over(samples, leaves, "structure-tensors");
-        metrics.vary(samples.rgb(),
-                     {std::max(size_t(neighbours), 3 * metrics.dimensions()), size_t(averaged),
-                      floor, ridge, smooth},
-                     ctx);
+        metrics.vary(
+            samples.rgb(),
+            {std::max(size_t(neighbours), 3 * metrics.dimensions()), size_t(averaged), floor, ridge,
+             smooth == Smooth::always ||
+                 (smooth == Smooth::where_noisy && has_hidden_noise(samples))},
+            ctx);
         out.set("tensors", std::move(metrics));
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 5)
+WEFT_NODE(StructureTensors, "structure-tensors", 6)
 
 }  // namespace
 }  // namespace weft

@@ -24,7 +24,7 @@ struct TensorSettings {
     size_t averaged = 96;    // a tensor is the mean of
     float floor = 0.001f;    // least eigenvalue, over the largest
     float ridge = 1e-6f;     // of the least squares, over the neighbourhood's radius squared
-    bool smooth = true;      // whether radiance goes towards what is fitted
+    bool smooth = false;     // whether radiance goes towards what is fitted
 };
 // Least eigenvalue over the largest, after the first round, and of that after each further one.
 inline constexpr float first_floor = 0.05f, floor_of_round = 0.25f;

@@ -269,6 +269,14 @@ TEST(AdaptiveSamples, NoiseThatNoAxisExplainsIsNoticed) {
     const Adaptive noisy = adaptive(sampler_of("noise", 24, 24), 4);
     ASSERT_EQ(noisy.warnings.size(), 1u);
     EXPECT_NE(noisy.warnings[0].find("no axis explains"), std::string::npos) << noisy.warnings[0];
+    // And taken off.
+    EXPECT_FALSE(has_hidden_noise(adaptive(sampler_of("disc"), 3).samples));
+    EXPECT_TRUE(has_hidden_noise(noisy.samples));
+    const auto radiance_by = [&](const char* smooth) {
+        return RunNode("structure-tensors").in("samples", noisy.samples).in("leaves", noisy.leaves).set("smooth", Json(smooth)).out<Metrics>("tensors").radiance;
+    };
+    EXPECT_EQ(radiance_by("auto"), radiance_by("always"));
+    EXPECT_NE(radiance_by("auto"), radiance_by("never"));
 }
 
 std::string error_of(const SamplerFunction& sampler, double budget) {
