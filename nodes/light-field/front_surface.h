@@ -23,13 +23,15 @@ class FrontSurface {
           limit_(hn::Set(f, by.tolerance)),
           stretch_(hn::Set(f, p.hierarchy->lens.aspect)) {
         place(p, at, l, by.box);
-        // What conflicts with the nearest of all ends the surface as a rule: no two before it can
-        // conflict if none differs from the nearest by half of what that takes.
+        // What conflicts with the nearest of all ends the surface as a rule, and only what lies
+        // before that can end it sooner.
         const size_t nearest = find_nearest();
         test(nearest);
         VF border = find_border();
         if (suspects(nearest, border)) {
-            for (size_t j = 0; j < n_; ++j) test(j);
+            for (size_t k = 0; k < vectors; ++k)
+                for (unsigned bits = bits_of(f, before(k, border)); bits; bits &= bits - 1)
+                    test(k * lanes + size_t(__builtin_ctz(bits)));
             border = find_border();
         }
         take_before(border);
@@ -110,20 +112,26 @@ class FrontSurface {
         return hn::MinOfLanes(f, least);
     }
 
-    // Whether two before the border may conflict.
+    HWY_INLINE Mask before(size_t k, VF border) const {
+        return hn::And(in(k), hn::AndNot(found_[k], hn::Le(depth_[k], border)));
+    }
+
+    // Whether two before the border may conflict: slopes ascend with depth or descend with it, so
+    // that the nearest's differs most; of velocities, none differ by more than twice what they
+    // differ from the nearest's by.
     HWY_INLINE bool suspects(size_t nearest, VF border) const {
-        const VF half = hn::Mul(hn::Set(f, 0.5f), limit_);
+        const VF half = hn::Mul(hn::Set(f, 0.5f), limit_),
+                 whole = hn::Div(limit_, hn::Max(stretch_, hn::Set(f, 1.0f)));
         const auto way = [&](const std::vector<float>& of, VF value)
                              HWY_ATTR { return hn::AbsDiff(hn::Set(f, of[nearest]), value); };
         Mask some = hn::MaskFromVec(hn::Zero(f));
         for (size_t k = 0; k < vectors; ++k) {
-            const VF way_y = way(c_.slope, slope_[k]);
-            VF most = hn::Max(way_y, hn::Mul(way_y, stretch_));
-            if constexpr (moving)
-                most =
-                    hn::Max(most, hn::Max(way(c_.velocity_x, vx_[k]), way(c_.velocity_y, vy_[k])));
-            const Mask before = hn::And(in(k), hn::AndNot(found_[k], hn::Le(depth_[k], border)));
-            some = hn::Or(some, hn::And(before, hn::Gt(most, half)));
+            Mask far = hn::Gt(way(c_.slope, slope_[k]), whole);
+            if constexpr (moving) {
+                far = hn::Or(far, hn::Gt(way(c_.velocity_x, vx_[k]), half));
+                far = hn::Or(far, hn::Gt(way(c_.velocity_y, vy_[k]), half));
+            }
+            some = hn::Or(some, hn::And(before(k, border), far));
         }
         return !hn::AllFalse(f, some);
     }
