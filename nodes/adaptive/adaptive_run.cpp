@@ -19,6 +19,7 @@ TreeSettings tree_settings(const SamplerFunction& sampler, const AdaptiveSetting
     TreeSettings made{.extent = {float(sampler.width), float(sampler.height)},
                       .capacity = size_t(settings.capacity),
                       .candidates = settings.candidates,
+                      .reach = settings.reach,
                       .round = settings.round,
                       .contrast = settings.contrast,
                       .seed = settings.seed,

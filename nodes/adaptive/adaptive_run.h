@@ -11,6 +11,7 @@ namespace weft::adaptive {
 struct AdaptiveSettings {
     double budget = 8, initial = 1, round = 1.0 / 16;
     int capacity = 4, candidates = 4;
+    Reach reach = Reach::leaf;
     Contrast contrast = Contrast::relative;
     double scale = 0;
     std::uint64_t seed = 1;
@@ -33,6 +34,9 @@ struct AdaptiveSettings {
                 {.min = 1,
                  .max = 64,
                  .about = "places tried for a sample, of which the farthest from others is taken"})
+            .choice("reach", of(&AdaptiveSettings::reach), {"leaf", "neighbours"},
+                    {.about = "whose samples those are: the box's, or also those of boxes that "
+                              "share a face with it"})
             .choice("contrast", of(&AdaptiveSettings::contrast), {"relative", "absolute", "sqrt"},
                     {.about = "what difference counts against: its box's mean, nothing, or that "
                               "mean's root"})

@@ -80,9 +80,9 @@ struct AdaptiveEnd {
     }
 };
 
-WEFT_NODE(AdaptiveBegin, "adaptive-begin", 2)
-WEFT_NODE(AdaptiveStep, "adaptive-step", 2)
-WEFT_NODE(AdaptiveEnd, "adaptive-end", 2)
+WEFT_NODE(AdaptiveBegin, "adaptive-begin", 3)
+WEFT_NODE(AdaptiveStep, "adaptive-step", 3)
+WEFT_NODE(AdaptiveEnd, "adaptive-end", 3)
 
 }  // namespace
 }  // namespace weft

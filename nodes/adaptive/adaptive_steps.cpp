@@ -1,6 +1,7 @@
 #include "adaptive/adaptive_steps.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@ namespace weft::adaptive {
 namespace {
 
 constexpr const char* contrasts[] = {"relative", "absolute", "sqrt"};
+constexpr const char* reaches[] = {"leaf", "neighbours"};
 
 Json json_of(const AdaptiveSetup& setup, size_t taken) {
     Json json = Json::object(), axes = Json::list(), features = Json::list();
@@ -32,6 +34,7 @@ Json json_of(const AdaptiveSetup& setup, size_t taken) {
     json.set("round", s.round);
     json.set("capacity", s.capacity);
     json.set("candidates", s.candidates);
+    json.set("reach", reaches[int(s.reach)]);
     json.set("contrast", contrasts[int(s.contrast)]);
     json.set("scale", s.scale);
     json.set("seed", s.seed);
@@ -66,6 +69,15 @@ class Description {
                 fmt::format("the state's '{}' is {}; expected {} to {}", name, value, least, most));
         return value;
     }
+    // Which of `names` it is.
+    size_t choice(std::string_view name, std::span<const char* const> names) const {
+        const std::string& value = member(name, Json::Kind::text).text;
+        const auto found = std::find(names.begin(), names.end(), value);
+        if (found == names.end())
+            throw Error(fmt::format("the state's '{}' is '{}'; expected one of {}", name, value,
+                                    fmt::join(names, ", ")));
+        return size_t(found - names.begin());
+    }
 
   private:
     const Json* json_;
@@ -97,14 +109,8 @@ AdaptiveSetup setup_of(const Samples& state) {
     s.scale = of.number("scale", 0, 65536);
     const Json& seed = of.member("seed", Json::Kind::number);
     s.seed = std::uint64_t(seed.integer);
-    const std::string& contrast = of.member("contrast", Json::Kind::text).text;
-    const auto* found = std::find(std::begin(contrasts), std::end(contrasts), contrast);
-    if (found == std::end(contrasts))
-        throw Error(
-            fmt::format("the state's 'contrast' is '{}'; expected relative, absolute or "
-                        "sqrt",
-                        contrast));
-    s.contrast = Contrast(found - std::begin(contrasts));
+    s.reach = Reach(of.choice("reach", reaches));
+    s.contrast = Contrast(of.choice("contrast", contrasts));
     return made;
 }
 

@@ -120,8 +120,10 @@ Tree::Tree(const TreeSettings& settings, size_t initial_samples, size_t budget)
         sides.push_back(settings_.extent[d]);
         return sides;
     };
+    std::vector<CellSlab> grid;
     for (size_t slab = 0; slab < slabs; ++slab) {
-        const std::vector<float> x = along(0, slab), y = along(1, slab);
+        grid.push_back({along(0, slab), along(1, slab), std::uint32_t(leaves_.size())});
+        const std::vector<float>&x = grid.back().x, &y = grid.back().y;
         for (size_t j = 0; j + 1 < y.size(); ++j)
             for (size_t i = 0; i + 1 < x.size(); ++i) {
                 Leaf leaf{};
@@ -140,6 +142,7 @@ Tree::Tree(const TreeSettings& settings, size_t initial_samples, size_t budget)
     }
     errors_.resize(leaves_.size());
     rests_.resize(leaves_.size());
+    if (settings_.reach == Reach::neighbours) neighbours_ = LeafNeighbours(grid, cells);
 }
 
 double Tree::volume(const Leaf& leaf) const {
@@ -219,18 +222,33 @@ size_t Tree::request(size_t most) {
         const Numbers numbers(settings_.seed, leaf.key, leaf.samples.size());
         for (size_t k = 0; k < size_t(settings_.candidates); ++k) {
             const auto p = candidate(leaf, numbers, k);
-            float nearest = 3e38f;
-            for (const std::uint32_t s : leaf.samples) {
-                float d2 = 0;
-                const float* at = &at_[s * dimensions()];
-                for (size_t d = 0; d < dimensions(); ++d) d2 += (at[d] - p[d]) * (at[d] - p[d]);
-                nearest = std::min(nearest, d2);
-            }
+            const float nearest = nearest_sample(l, p.data(), farthest);
             if (nearest > farthest) farthest = nearest, best = p;
         }
         place(l, best);
     }
     return order.size();
+}
+
+// Square of the distance, px^2, to the nearest sample within reach; or any number that is not above
+// `enough`, where that is so.
+float Tree::nearest_sample(size_t l, const float* place, float enough) const {
+    float nearest = 3e38f;
+    const auto among = [&](const Leaf& leaf) {
+        for (const std::uint32_t s : leaf.samples) {
+            float d2 = 0;
+            const float* at = &at_[s * dimensions()];
+            for (size_t d = 0; d < dimensions(); ++d) d2 += (at[d] - place[d]) * (at[d] - place[d]);
+            nearest = std::min(nearest, d2);
+        }
+    };
+    among(leaves_[l]);
+    if (neighbours_.empty()) return nearest;
+    for (const std::uint32_t near : neighbours_.of(l)) {
+        if (nearest <= enough) break;
+        among(leaves_[near]);
+    }
+    return nearest;
 }
 
 void Tree::insert(std::span<const float> rgb) {
@@ -287,6 +305,9 @@ bool Tree::cut(size_t l) {
         leaves_.push_back(std::move(other));
         errors_.push_back(0);
         rests_.push_back(false);
+        if (!neighbours_.empty())
+            neighbours_.cut<Leaf>(std::uint32_t(l), std::uint32_t(leaves_.size() - 1), leaves_,
+                                  dimensions());
         measure(l);
         measure(leaves_.size() - 1);
         return true;

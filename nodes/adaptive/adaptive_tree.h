@@ -9,16 +9,18 @@
 #include <span>
 #include <vector>
 
+#include "adaptive/leaf_neighbours.h"
+
 namespace weft::adaptive {
 
-inline constexpr size_t most_axes = 8;
-
 enum class Contrast { relative, absolute, sqrt };
+enum class Reach { leaf, neighbours };
 
 struct TreeSettings {
     std::vector<float> extent;  // px of each axis; x and y first
     size_t capacity = 4;        // samples in a leaf; one more and it is cut
     int candidates = 4;         // places tried for a new sample
+    Reach reach = Reach::leaf;  // whose samples it is to be far from: with face neighbours or not
     double round = 1.0 / 16;    // of the leaves get a sample in a round
     Contrast contrast = Contrast::relative;
     std::uint64_t seed = 1;
@@ -59,16 +61,18 @@ class Tree {
     float at(size_t axis, size_t sample) const { return at_[sample * dimensions() + axis]; }  // px
     std::span<const float> rgb() const { return rgb_; }
 
-    struct Leaf {
-        std::array<float, most_axes> lo, hi;  // px
-        std::uint64_t key = 0;                // of its path from its initial cell
+    struct Leaf : LeafBox {
+        std::uint64_t key = 0;  // of its path from its initial cell
         std::vector<std::uint32_t> samples;
     };
     const Leaf& leaf(size_t i) const { return leaves_[i]; }
     double volume(const Leaf& leaf) const;
+    // That share a face with it; of Reach::neighbours alone.
+    std::span<const std::uint32_t> neighbours(size_t leaf) const { return neighbours_.of(leaf); }
 
   private:
     std::vector<std::uint32_t> chosen_leaves(size_t most) const;
+    float nearest_sample(size_t leaf, const float* place, float enough) const;
     void add_to(size_t leaf, std::uint32_t sample);
     bool cut(size_t leaf);
     void measure(size_t leaf);
@@ -77,6 +81,7 @@ class Tree {
     std::vector<Leaf> leaves_;
     std::vector<double> errors_;                 // of leaves: read together, round by round
     std::vector<char> rests_;                    // leaves too small to be cut, and full
+    LeafNeighbours neighbours_;                  // none where no sample is looked for there
     std::vector<std::uint32_t> chosen_;          // leaves of the requested places
     std::vector<std::vector<float>> requested_;  // [0, 1]
     std::vector<float> at_;                      // px, all axes of a sample together

@@ -110,6 +110,98 @@ TEST(AdaptiveTree, ABoxIsCutBetweenItsSecondAndThirdSampleAcrossItsLongestSide) 
     EXPECT_FLOAT_EQ(kept.hi[2], 0.5f * (along[1] + along[2]));
 }
 
+// A tree of `axes` axes that has been sampled for some rounds, by a function with edges across all.
+Tree grown_tree(const TreeSettings& settings, int rounds) {
+    Tree tree(settings, 400, 40000);
+    for (int round = 0; round < rounds; ++round) {
+        const size_t n = tree.request(300);
+        std::vector<float> rgb;
+        for (size_t i = 0; i < n; ++i) {
+            float sum = 0;
+            for (size_t d = 0; d < tree.dimensions(); ++d) sum += tree.places(d)[i] * float(d + 1);
+            rgb.insert(rgb.end(), 3, std::fmod(sum, 1.0f));
+        }
+        tree.insert(rgb);
+    }
+    return tree;
+}
+
+TEST(AdaptiveTree, KnowsWhichBoxesShareAFace) {
+    const std::vector<std::vector<float>> domains{{17, 12}, {24, 20, 9}, {12, 16, 8, 5}, {8, 9, 5, 12, 4}};
+    for (const auto& extent : domains) {
+        const Tree tree = grown_tree({.extent = extent, .reach = Reach::neighbours}, 6);
+        const size_t axes = extent.size();
+        ASSERT_GT(tree.leaves(), 100u);
+        for (std::uint32_t a = 0; a < tree.leaves(); ++a) {
+            std::set<std::uint32_t> expected;
+            for (std::uint32_t b = 0; b < tree.leaves(); ++b) {
+                // Their common part is flat along one axis, and no further one.
+                size_t flat = 0, apart = 0;
+                for (size_t d = 0; d < axes; ++d) {
+                    const float common = std::min(tree.leaf(a).hi[d], tree.leaf(b).hi[d]) - std::max(tree.leaf(a).lo[d], tree.leaf(b).lo[d]);
+                    flat += common == 0, apart += common < 0;
+                }
+                if (a != b && flat == 1 && apart == 0) expected.insert(b);
+            }
+            const auto found = tree.neighbours(a);
+            ASSERT_EQ(found.size(), expected.size()) << "each once";
+            ASSERT_EQ(std::set<std::uint32_t>(found.begin(), found.end()), expected) << a << " of " << axes << " axes";
+        }
+    }
+}
+
+// Two trees that are alike try the same places; each takes the farthest, of those samples that it looks at.
+TEST(AdaptiveTree, PlacesAreFarFromSamplesWithinReach) {
+    const std::vector<float> extent{16, 16, 12};
+    TreeSettings settings{.extent = extent, .candidates = 16};
+    Tree alone(settings, 400, 4000);
+    settings.reach = Reach::neighbours;
+    Tree beyond(settings, 400, 4000);
+    const size_t first = alone.request(0), cells = alone.leaves();
+    ASSERT_EQ(beyond.request(0), first);
+    std::vector<float> rgb;  // unlike within every cell
+    for (size_t i = 0; i < first; ++i) rgb.insert(rgb.end(), 3, float(i % 2));
+    alone.insert(rgb), beyond.insert(rgb);
+    const size_t n = alone.request(cells);
+    ASSERT_EQ(beyond.request(cells), n);
+    const auto place = [&](const Tree& tree, size_t i) {
+        std::array<float, 3> at{};
+        for (size_t d = 0; d < 3; ++d) at[d] = tree.places(d)[i] * extent[d];
+        return at;
+    };
+    const auto box_at = [&](const std::array<float, 3>& at) {
+        for (size_t l = 0; l < cells; ++l) {
+            bool inside = true;
+            for (size_t d = 0; d < 3; ++d) inside = inside && at[d] > beyond.leaf(l).lo[d] && at[d] < beyond.leaf(l).hi[d];
+            if (inside) return l;
+        }
+        return cells;
+    };
+    size_t differ = 0, checked = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const auto a = place(alone, i), b = place(beyond, i);
+        const size_t l = box_at(a);
+        if (l == cells || box_at(b) != l) continue;  // on a side, by rounding
+        const auto nearest = [&](const std::array<float, 3>& at, bool further) {
+            std::vector<std::uint32_t> boxes{std::uint32_t(l)};
+            if (further) boxes.insert(boxes.end(), beyond.neighbours(l).begin(), beyond.neighbours(l).end());
+            double least = 1e30;
+            for (const std::uint32_t box : boxes)
+                for (const std::uint32_t s : beyond.leaf(box).samples) {
+                    double sum = 0;
+                    for (size_t d = 0; d < 3; ++d) sum += std::pow(double(beyond.at(d, s)) - double(at[d]), 2);
+                    least = std::min(least, sum);
+                }
+            return std::sqrt(least);
+        };
+        EXPECT_GE(nearest(b, true), nearest(a, true) - 1e-4);
+        EXPECT_GE(nearest(a, false), nearest(b, false) - 1e-4);
+        differ += a != b, ++checked;
+    }
+    EXPECT_GT(checked, n / 2);
+    EXPECT_GT(differ, n / 4);
+}
+
 class OfFunction : public testing::TestWithParam<const char*> {};
 
 TEST_P(OfFunction, BoxesPartTheDomainAndItsSamples) {

@@ -35,9 +35,9 @@ Sampled run_for(RunNode& node) {
     made.warnings = node.ctx.warnings;
     return made;
 }
-Sampled adaptive(const SamplerFunction& sampler, double budget = 4) {
+Sampled adaptive(const SamplerFunction& sampler, double budget = 4, const char* reach = "leaf") {
     RunNode node("adaptive-samples");
-    node.in("sampler", sampler).set("budget", Json(budget));
+    node.in("sampler", sampler).set("budget", Json(budget)).set("reach", Json(reach));
     return run_for(node);
 }
 void expect_same_bits(const Samples& a, const Samples& b) {
@@ -65,9 +65,9 @@ Step take(RunNode& node) {
     node.run({Slot{"state", &type_info<Samples>(), &made.state, {}}, Slot{"requests", &type_info<Samples>(), &made.requests, {}}});
     return made;
 }
-Step begin(const SamplerFunction& sampler, double budget = 4) {
+Step begin(const SamplerFunction& sampler, double budget = 4, const char* reach = "leaf") {
     RunNode node("adaptive-begin");
-    node.in("sampler", sampler).set("budget", Json(budget));
+    node.in("sampler", sampler).set("budget", Json(budget)).set("reach", Json(reach));
     return take(node);
 }
 Step next(const Samples& state, const Samples& results) {
@@ -81,10 +81,13 @@ SamplerFunction disc(int side = 48) {
     return RunNode("test-sampler").set("width", Json(double(side))).set("height", Json(double(side))).out<SamplerFunction>("sampler");
 }
 
-TEST(AdaptiveSteps, GiveTheBitsOfTheCallableForm) {
+class StepsOfReach : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, StepsOfReach, testing::Values("leaf", "neighbours"));
+
+TEST_P(StepsOfReach, GiveTheBitsOfTheCallableForm) {
     const SamplerFunction sampler = disc(40);
-    const Sampled whole = adaptive(sampler);
-    Step at = begin(sampler);
+    const Sampled whole = adaptive(sampler, 4, GetParam());
+    Step at = begin(sampler, 4, GetParam());
     size_t steps = 0;
     for (; at.requests.size() > 0; ++steps) {
         // State and requests go through files, as on a farm; results come in another order.
