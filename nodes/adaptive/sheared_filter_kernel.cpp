@@ -39,12 +39,18 @@ ShearedFilter::ShearedFilter(const Samples& samples, const Image* slopes,
     }
     overhang_ = std::min(overhang_, 1.0f);
     if (shutter_.constant()) return;
-    mean_time_ = 0;
-    constexpr int steps = 256;
-    for (int k = 0; k < steps; ++k) {
-        const double t = (k + 0.5) / steps;
-        mean_time_ += t * double(shutter_.openness(float(t))) / steps;
-    }
+    const auto mean_of = [&](const auto& of) {
+        constexpr int steps = 256;
+        double sum = 0;
+        for (int k = 0; k < steps; ++k) {
+            const double t = (k + 0.5) / steps;
+            sum += of(t) * double(shutter_.openness(float(t))) / steps;
+        }
+        return sum;
+    };
+    mean_time_ = mean_of([](double t) { return t; });
+    time_second_ = mean_of([&](double t) { return std::pow(t - mean_time_, 2); });
+    time_third_ = mean_of([&](double t) { return std::pow(t - mean_time_, 3); });
 }
 
 ShearedFilter::Filter ShearedFilter::filter_of(const PixelSlopes& s, int x, int y) const {
@@ -166,18 +172,42 @@ ShearedFilter::Pixel ShearedFilter::better(const Pixel& found, const Pixel& own)
     return settings_.fallback && found.effective < settings_.gain * own.effective ? own : found;
 }
 
+ShearedFilter::Pixel ShearedFilter::gathered(const Filter& f) const {
+    if (f.moves && !f.blurs) return gathered_along(f);
+    Sums sums;
+    gather(f, [&](size_t i, double w) {
+        const auto from = from_middle(f, i);
+        sums.add(w, &rgb_[3 * i], from[0], from[1]);
+    });
+    return sums.fitted();
+}
+
+ShearedFilter::Pixel ShearedFilter::gathered_along(const Filter& f) const {
+    const double vx = double(f.vx), vy = double(f.vy), speed = std::hypot(vx, vy);
+    const double nx = speed > 0 ? vx / speed : 1, ny = speed > 0 ? vy / speed : 0;
+    // A box's variance is a third of its half width's square.
+    const double box =
+        (std::pow(nx * double(f.half_x), 2) + std::pow(ny * double(f.half_y), 2)) / 3;
+    PathSums sums(box + speed * speed * time_second_, -std::pow(speed, 3) * time_third_);
+    gather(f, [&](size_t i, double w) {
+        const auto from = from_middle(f, i);
+        sums.add(w, &rgb_[3 * i], from[0] * nx + from[1] * ny, from[1] * nx - from[0] * ny);
+    });
+    Pixel out;
+    if (!(sums.effective() > 0)) return out;
+    const auto mean = sums.fitted();
+    std::copy(mean.begin(), mean.end(), out.rgb);
+    out.effective = float(sums.effective());
+    return out;
+}
+
 ShearedFilter::Pixel ShearedFilter::filtered(int x, int y) const {
     const PixelSlopes s = (*slopes_)(x, y);
     const Pixel own = own_mean(x, y);
     if (keeps_own(s, own)) return own;
     Filter f = filter_of(s, x, y);
     for (int tries = 0; tries < 4; ++tries) {
-        Sums sums;
-        gather(f, [&](size_t i, double w) {
-            const auto from = from_middle(f, i);
-            sums.add(w, &rgb_[3 * i], from[0], from[1]);
-        });
-        const Pixel found = sums.fitted();
+        const Pixel found = gathered(f);
         if (found.effective > 0) return better(found, own);
         f.half_x *= 2, f.half_y *= 2;
     }

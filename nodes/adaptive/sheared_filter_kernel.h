@@ -6,7 +6,8 @@
 //   along   a Gaussian of deviation `along` / B of shutter or lens; B = 0: any sample of the path
 //           stands for all of it
 //   middle  samples that happen to lie to one side of the filter's middle are carried there by the
-//           slope of their own values (a regression): a ramp is exact, however few they are
+//           slope of their own values (a regression): a ramp is exact, however few they are; where
+//           all that widens the filter is motion, so is what curves along it (path_sums.h)
 // Source: Egan et al. 2009, Sec. 4 and 5.  Departures: boxes and exact intervals of time instead of
 // Gaussians, so that the static limit is the box filter; where slopes spread across the way of
 // motion, sliding is cut shorter instead of the pixel made wider; a pixel whose filter has less
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "adaptive/lens_pieces.h"
+#include "adaptive/path_sums.h"
 #include "adaptive/sample_paths.h"
 #include "adaptive/slopes.h"
 #include "samples/lens_shape.h"
@@ -127,6 +129,9 @@ class ShearedFilter {
     };
 
   private:
+    // Of all samples that a filter takes; along its way, where it moves and that is all.
+    Pixel gathered(const Filter& filter) const;
+    Pixel gathered_along(const Filter& filter) const;
     float weight(const Filter& filter, size_t sample) const;
     float lens_weight(const Filter& filter, float dx, float dy, float u, float v) const;
     float pieces_weight(const Filter& filter, Interval x, Interval y, float u, float v) const;
@@ -153,7 +158,7 @@ class ShearedFilter {
     bool round_;
     ShutterCurve shutter_;
     std::span<const float> rgb_, weight_;
-    double mean_time_ = 0.5;
+    double mean_time_ = 0.5, time_second_ = 1 / 12.0, time_third_ = 0;  // about the mean
     float overhang_ = 0;  // px: how far any sample lies outside its pixel
 };
 

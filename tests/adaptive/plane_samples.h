@@ -71,20 +71,22 @@ inline Samples samples_of_scene(const BufferShape& shape, const SeenScene& scene
 }
 
 // A vertical grating of wavelength L that moves by v, seen through a lens: x = place + v t + coc u.
-inline SeenScene grating(double L, double v, double coc = 0) {
+inline SeenScene grating(double L, double v, double coc = 0, double phase = 0) {
     return [=](double x, double, double t, double u, double) {
-        return SeenPoint{.5 + .5 * std::sin(2 * pi_here * (x - v * t - coc * u) / L), 1, v, 0};
+        return SeenPoint{.5 + .5 * std::sin(2 * pi_here * (x - v * t - coc * u) / L + phase), 1, v,
+                         0};
     };
 }
 inline double sinc(double x) {
     return x == 0 ? 1 : std::sin(pi_here * x) / (pi_here * x);
 }
 // Its picture: box pixel, box shutter, round lens.
-inline double grating_pixel(int i, double L, double v, double coc = 0) {
+inline double grating_pixel(int i, double L, double v, double coc = 0, double phase = 0) {
     const double a = 2 * pi_here * coc / L;
     const double lens = coc == 0 ? 1 : 2 * std::cyl_bessel_j(1, std::abs(a)) / std::abs(a);
     return .5 +
-           .5 * sinc(v / L) * sinc(1 / L) * lens * std::sin(2 * pi_here * (i + .5 - v / 2) / L);
+           .5 * sinc(v / L) * sinc(1 / L) * lens *
+               std::sin(2 * pi_here * (i + .5 - v / 2) / L + phase);
 }
 
 // Root mean square over pixels at least `margin` from the picture's sides, and `rows` from its top
