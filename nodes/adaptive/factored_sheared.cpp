@@ -41,8 +41,12 @@ struct FactoredShearedNode : ShearedNode {
             ctx.fail(
                 "filters a lens alone, and the slopes hold motion; set effect of slope-bounds to "
                 "lens, or use sheared-filter");
+        double widest = 0;
+        for (int y = 0; y < samples.height; ++y)
+            for (int x = 0; x < samples.width; ++x)
+                widest = std::max(widest, std::abs(held(x, y).coc()));
         const LensCells cells = order == Order::grid
-                                    ? LensCells::of_grid(samples, "factored-sheared")
+                                    ? LensCells::of_grid(samples, float(widest), "factored-sheared")
                                     : LensCells::of_any(samples, rows);
         const FactoredSheared filter(samples, slopes, settings(true), cells);
         ShearedPictures pictures(samples);
@@ -61,7 +65,7 @@ struct FactoredShearedNode : ShearedNode {
     }
 };
 
-WEFT_NODE(FactoredShearedNode, "factored-sheared", 1)
+WEFT_NODE(FactoredShearedNode, "factored-sheared", 2)
 
 }  // namespace
 }  // namespace weft

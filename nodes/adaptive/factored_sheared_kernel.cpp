@@ -8,8 +8,9 @@ namespace weft::adaptive {
 
 namespace {
 
-// Of a grid's row, by v: jittered samples differ less within a cell then.
-constexpr size_t parts = 2;
+// Of a grid's row that is not narrow on the film, by v: jittered samples differ less within a cell
+// then.
+constexpr size_t most_parts = 2;
 
 size_t cell_of(float place, size_t cells) {
     return size_t(std::min(std::max(0.0f, place), float(cells - 1)));  // NaN: the first
@@ -49,7 +50,7 @@ LensCells::LensCells(const Samples& samples, size_t rows, const RowOf& row_of)
     });
 }
 
-LensCells LensCells::of_grid(const Samples& samples, std::string_view who) {
+LensCells LensCells::of_grid(const Samples& samples, float widest, std::string_view who) {
     const auto root = size_t(std::lround(std::sqrt(double(samples.spp))));
     if (samples.spp < 4 || root * root != size_t(samples.spp))
         throw Error(fmt::format(
@@ -57,23 +58,26 @@ LensCells LensCells::of_grid(const Samples& samples, std::string_view who) {
             "pixel; render 4, 9, 16 ... in grid order, or set order to any",
             who, samples.spp > 0 ? fmt::format("{}", samples.spp) : "varying numbers"));
     const auto uv = samples.uv();
-    const auto grid = [&](bool across) {
-        return [=](size_t k) { return across ? k / root : k % root; };
-    };
+    const size_t spp = root * root;
+    const size_t parts = 2 * widest / float(root) < narrow_on_film ? 1 : most_parts;
     for (const bool across : {true, false}) {
-        const auto row_of = grid(across);
+        std::vector<size_t> row(spp);
+        for (size_t k = 0; k < spp; ++k) row[k] = across ? k / root : k % root;
         std::vector<Interval> range(root, {INFINITY, -INFINITY});
-        for (size_t i = 0; i < samples.size(); ++i) {
-            Interval& r = range[row_of(i % size_t(samples.spp))];
-            r.a = std::min(r.a, uv[2 * i + 1]), r.b = std::max(r.b, uv[2 * i + 1]);
-        }
+        for (size_t pixel = 0; pixel < samples.pixels(); ++pixel)
+            for (size_t k = 0; k < spp; ++k) {
+                const float v = uv[2 * (pixel * spp + k) + 1];
+                Interval& r = range[row[k]];
+                r.a = std::min(r.a, v), r.b = std::max(r.b, v);
+            }
         bool apart = true;
         for (size_t j = 0; j + 1 < root; ++j) apart &= range[j].b <= range[j + 1].a;
         if (!apart) continue;
         return {samples, root * parts, [&](size_t k, size_t i) {
-                    const Interval r = range[row_of(k)];
+                    if (parts == 1) return row[k];
+                    const Interval r = range[row[k]];
                     const float place = (uv[2 * i + 1] - r.a) / r.length() * float(parts);
-                    return row_of(k) * parts + cell_of(place, parts);
+                    return row[k] * parts + cell_of(place, parts);
                 }};
     }
     throw Error(fmt::format(
@@ -95,23 +99,26 @@ FactoredSheared::FactoredSheared(const Samples& samples, const Image& slopes,
     : samples_(samples),
       filter_(samples, &slopes, settings),
       slopes_(slopes, "factored-sheared"),
-      pieces_(filter_.paths().lens()),
       cells_(cells) {}
 
-SeenCell FactoredSheared::seen(const ShearedFilter::Filter& f, int y, size_t row) const {
-    SeenCell out;
+void FactoredSheared::see(const ShearedFilter::Filter& f, int y, size_t row, SeenCell& out) const {
+    const LensPieces& pieces = filter_.pieces(f);
+    out.pieces = &pieces;
+    std::fill_n(out.of.begin(), pieces.columns, SeenCell::Sums{});
+    out.w = out.squares = out.y = out.v = 0;
+    std::fill_n(out.low, 3, INFINITY), std::fill_n(out.high, 3, -INFINITY);
     const auto [left, right] = filter_.columns_of(f);
+    const InsideBox inside(f.coc_x, f.half_x);
+    const GaussianMass mass(0, f.sigma_lens);
     for (const LensCells::Sample& s : cells_.in(y, row, left, right)) {
         const float dx = s.x - f.x;
-        const Interval x = inside_box(dx, f.coc_x, f.half_x, s.u, -1, 1);
+        const Interval x = inside(dx, s.u, -1, 1);
         if (x.empty()) continue;
-        SeenCell::Sums each{1, double(dx - f.coc_x * s.u), 0, {}, {}};
-        each.xx = each.x * each.x;
-        for (int c = 0; c < 3; ++c)
-            each.rgb[c] = double(s.rgb[c]), each.rgb_x[c] = each.rgb[c] * each.x;
+        const auto at = double(dx - f.coc_x * s.u), r = double(s.rgb[0]), g = double(s.rgb[1]),
+                   b = double(s.rgb[2]);
+        const SeenCell::Sums each{{1, at, at * at, r, g, b, r * at, g * at, b * at}};
         double whole = 0;
-        LensPieces::each_column(x, {s.u, f.sigma_lens}, [&](size_t k, float across) {
-            if (pieces_.v[k].empty()) return;
+        pieces.each_column(x, mass.around(s.u), [&](size_t k, float across) {
             const double w = double(s.stands) * double(across);
             out.of[k].add(w, each);
             whole += w;
@@ -123,7 +130,6 @@ SeenCell FactoredSheared::seen(const ShearedFilter::Filter& f, int y, size_t row
             out.low[c] = std::min(out.low[c], s.rgb[c]),
             out.high[c] = std::max(out.high[c], s.rgb[c]);
     }
-    return out;
 }
 
 void FactoredSheared::add(const ShearedFilter::Filter& f, const SeenCell& cell,
@@ -134,21 +140,21 @@ void FactoredSheared::add(const ShearedFilter::Filter& f, const SeenCell& cell,
     SeenCell::Sums sums;
     const GaussianMass mass(v, f.sigma_lens);
     const double whole = double(mass.in(in));
-    for (size_t k = 0; k < lens_columns; ++k) {
-        const Interval along = in.in(pieces_.v[k]);
-        if (cell.of[k].w > 0 && !along.empty())
+    for (size_t k = 0; k < cell.pieces->columns; ++k) {
+        const Interval along = in.in(cell.pieces->v[k]);
+        if (cell.of[k].w() > 0 && !along.empty())
             sums.add(along.a == in.a && along.b == in.b ? whole : double(mass.in(along)),
                      cell.of[k]);
     }
-    if (!(sums.w > 0)) return;
+    if (!(sums.w() > 0)) return;
     const auto dy = double(y - f.y - f.coc_y * v);
-    to.weight += sums.w;
+    to.weight += sums.w();
     // Its samples differ among themselves as over the lens's whole width.
-    to.squares += sums.w * sums.w * cell.squares / (cell.w * cell.w);
-    to.px += sums.x, to.py += sums.w * dy;
-    to.pxx += sums.xx, to.pxy += sums.x * dy, to.pyy += sums.w * dy * dy;
-    for (int c = 0; c < 3; ++c) {
-        to.rgb[c] += sums.rgb[c], to.rgb_x[c] += sums.rgb_x[c], to.rgb_y[c] += sums.rgb[c] * dy;
+    to.squares += sums.w() * sums.w() * cell.squares / (cell.w * cell.w);
+    to.px += sums.x(), to.py += sums.w() * dy;
+    to.pxx += sums.xx(), to.pxy += sums.x() * dy, to.pyy += sums.w() * dy * dy;
+    for (size_t c = 0; c < 3; ++c) {
+        to.rgb[c] += sums.rgb(c), to.rgb_x[c] += sums.rgb_x(c), to.rgb_y[c] += sums.rgb(c) * dy;
         to.low[c] = std::min(to.low[c], cell.low[c]);
         to.high[c] = std::max(to.high[c], cell.high[c]);
     }
@@ -172,7 +178,7 @@ void FactoredSheared::column(int x, std::vector<SeenCell>& cells,
     cells.resize(height * cells_.rows());
     for (size_t y = 0; y < height; ++y)
         for (size_t row = 0; asked[y] && row < cells_.rows(); ++row)
-            cells[y * cells_.rows() + row] = seen(filters[y], int(y), row);
+            see(filters[y], int(y), row, cells[y * cells_.rows() + row]);
     for (size_t y = 0; y < height; ++y) {
         if (kept[y]) continue;
         ShearedFilter::Sums sums;

@@ -18,8 +18,8 @@ namespace weft::adaptive {
 class LensCells {
   public:
     // Sample k = j l + i of each pixel, or i l + j, in row j of the lens; Error, as `who`, where
-    // the samples are not in that order.
-    static LensCells of_grid(const Samples& samples, std::string_view who);
+    // the samples are not in that order. `widest`: px, radius of the largest circle of confusion.
+    static LensCells of_grid(const Samples& samples, float widest, std::string_view who);
     // In so many rows of equal height, whatever order they come in.
     static LensCells of_any(const Samples& samples, int rows);
 
@@ -42,19 +42,23 @@ class LensCells {
     std::vector<Sample> sorted_;
 };
 
-// A cell as one pixel column sees it.
+// A cell as one pixel column sees it, with the columns of the lens that the pixel's filter has.
 struct SeenCell {
     // Of weights in one column of the lens: sums of w, w x, w x^2, w rgb, w rgb x; x from the
     // filter's middle.
     struct Sums {
-        double w = 0, x = 0, xx = 0, rgb[3] = {0, 0, 0}, rgb_x[3] = {0, 0, 0};
+        std::array<double, 9> of{};
+        double w() const { return of[0]; }
+        double x() const { return of[1]; }
+        double xx() const { return of[2]; }
+        double rgb(size_t c) const { return of[3 + c]; }
+        double rgb_x(size_t c) const { return of[6 + c]; }
         void add(double weight, const Sums& other) {
-            w += weight * other.w, x += weight * other.x, xx += weight * other.xx;
-            for (int c = 0; c < 3; ++c)
-                rgb[c] += weight * other.rgb[c], rgb_x[c] += weight * other.rgb_x[c];
+            for (size_t k = 0; k < of.size(); ++k) of[k] += weight * other.of[k];
         }
     };
-    std::array<Sums, lens_columns> of{};
+    const LensPieces* pieces = nullptr;
+    std::array<Sums, lens_columns> of;        // as many as pieces has
     double w = 0, squares = 0, y = 0, v = 0;  // of the whole width: sums of w, w^2, w y, w v
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
 };
@@ -68,14 +72,13 @@ class FactoredSheared {
     void column(int x, std::vector<SeenCell>& cells, std::span<ShearedFilter::Pixel> out) const;
 
   private:
-    SeenCell seen(const ShearedFilter::Filter& filter, int y, size_t row) const;
+    void see(const ShearedFilter::Filter& filter, int y, size_t row, SeenCell& out) const;
     void add(const ShearedFilter::Filter& filter, const SeenCell& cell,
              ShearedFilter::Sums& to) const;
 
     const Samples& samples_;
     ShearedFilter filter_;
     SlopeReader slopes_;
-    LensPieces pieces_;
     const LensCells& cells_;
 };
 

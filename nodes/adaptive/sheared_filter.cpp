@@ -50,7 +50,7 @@ struct ShearedFilterNode : ShearedNode {
     }
 };
 
-WEFT_NODE(ShearedFilterNode, "sheared-filter", 3)
+WEFT_NODE(ShearedFilterNode, "sheared-filter", 4)
 
 }  // namespace
 }  // namespace weft

@@ -23,7 +23,7 @@ ShearedFilter::ShearedFilter(const Samples& samples, const Image* slopes,
     : samples_(samples),
       paths_(samples),
       settings_(settings),
-      pieces_(paths_.lens()),
+      cuts_(paths_.lens()),
       round_(paths_.lens().blades < 3 && !settings.pieces),
       shutter_(shutter_of(samples.meta)),
       rgb_(samples.rgb()),
@@ -110,11 +110,12 @@ float ShearedFilter::lens_weight(const Filter& f, float dx, float dy, float u, f
 
 float ShearedFilter::pieces_weight(const Filter& f, Interval x, Interval y, float u,
                                    float v) const {
+    const LensPieces& in = pieces(f);
     const GaussianMass along(v, f.sigma_lens);
     const float whole = along.in(y);
     float sum = 0;
-    LensPieces::each_column(x, {u, f.sigma_lens}, [&](size_t k, float across) {
-        const Interval part = y.in(pieces_.v[k]);
+    in.each_column(x, {u, f.sigma_lens}, [&](size_t k, float across) {
+        const Interval part = y.in(in.v[k]);
         // Most often all of y lies in the column.
         if (!part.empty())
             sum += across * (part.a == y.a && part.b == y.b ? whole : along.in(part));

@@ -58,6 +58,7 @@ class ShearedFilter {
         float vx = 0, vy = 0, sigma_t = INFINITY, reach_t = 1;
         float coc_x = 0, coc_y = 0, sigma_lens = INFINITY, reach_lens = 2;
         bool moves = false, blurs = false;
+        float coc() const { return std::max(std::abs(coc_x), std::abs(coc_y)); }
         std::uint32_t pixel = 0;
     };
     Filter filter_of(const PixelSlopes& slopes, int x, int y) const;
@@ -73,6 +74,8 @@ class ShearedFilter {
         return pixels_between(f.y, f.y, pad_y(f), samples_.height);
     }
     const SamplePaths& paths() const { return paths_; }
+    // Of a lens in pieces: those of a filter.
+    const LensPieces& pieces(const Filter& f) const { return cuts_(f.coc()); }
     // Where a sample's path is, at the shutter's mean time, from the lens's centre, from the
     // middle of a filter.
     std::array<double, 2> from_middle(const Filter& f, size_t i) const {
@@ -154,7 +157,7 @@ class ShearedFilter {
     SamplePaths paths_;
     std::optional<SlopeReader> slopes_;
     ShearedSettings settings_;
-    LensPieces pieces_;
+    LensCuts cuts_;
     bool round_;
     ShutterCurve shutter_;
     std::span<const float> rgb_, weight_;

@@ -44,12 +44,25 @@ inline const ErrorFunction& error_function() {
 
 // Where in [lo, hi] a sample at `at`, `offset` from the middle of a box, lies within `half` of that
 // middle, when it moves by `speed` a unit: offset + speed (s - at).
+class InsideBox {
+  public:
+    InsideBox(float speed, float half)
+        : still_(std::abs(speed) < 1e-6f),
+          half_(half),
+          inverse_(1 / speed),
+          reach_(std::abs(half * inverse_)) {}
+    Interval operator()(float offset, float at, float lo, float hi) const {
+        if (still_) return std::abs(offset) <= half_ ? Interval{lo, hi} : Interval{hi, lo};
+        const float middle = at - offset * inverse_;
+        return {std::max(lo, middle - reach_), std::min(hi, middle + reach_)};
+    }
+
+  private:
+    bool still_;
+    float half_, inverse_, reach_;
+};
 inline Interval inside_box(float offset, float speed, float half, float at, float lo, float hi) {
-    if (std::abs(speed) < 1e-6f)
-        return std::abs(offset) <= half ? Interval{lo, hi} : Interval{hi, lo};
-    const float inverse = 1 / speed, middle = at - offset * inverse,
-                reach = std::abs(half * inverse);
-    return {std::max(lo, middle - reach), std::min(hi, middle + reach)};
+    return InsideBox(speed, half)(offset, at, lo, hi);
 }
 
 // Integral of exp(-(s - at)^2 / (2 sigma^2)) from some place to s, in units that do not matter; the
@@ -63,6 +76,11 @@ class GaussianMass {
           erf_(error_function()) {}
     float operator()(float s) const { return height_ > 0 ? height_ * erf_((s - at_) * scale_) : s; }
     float in(Interval over) const { return (*this)(over.b) - (*this)(over.a); }
+    GaussianMass around(float at) const {
+        GaussianMass out = *this;
+        out.at_ = at;
+        return out;
+    }
 
   private:
     float at_, height_, scale_;

@@ -85,7 +85,7 @@ struct ShowFootprints {
     }
 };
 
-WEFT_NODE(ShowFootprints, "show-footprints", 1)
+WEFT_NODE(ShowFootprints, "show-footprints", 2)
 
 }  // namespace
 }  // namespace weft

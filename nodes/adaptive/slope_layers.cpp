@@ -223,7 +223,7 @@ struct SlopeLayers {
     }
 };
 
-WEFT_NODE(SlopeLayers, "slope-layers", 2)
+WEFT_NODE(SlopeLayers, "slope-layers", 3)
 
 }  // namespace
 }  // namespace weft

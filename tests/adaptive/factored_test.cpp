@@ -82,20 +82,57 @@ Lens square_lens() {
     return lens;
 }
 
-TEST(LensPieces, hold_the_areas_of_their_lens) {
-    const auto area = [](const Lens& lens) {
-        const adaptive::LensPieces pieces(lens);
-        double sum = 0;
-        for (const adaptive::Interval& v : pieces.v)
-            if (!v.empty()) sum += double(v.length() * adaptive::LensPieces::width);
-        return sum;
-    };
-    EXPECT_NEAR(area(Lens{}), pi_here, 1e-3);
-    for (int blades = 3; blades < 9; ++blades)
-        for (const float turn : {0.0f, .3f, 2.0f}) {
-            Lens lens;
-            lens.blades = blades, lens.rotation = turn;
-            EXPECT_NEAR(area(lens), blades * std::sin(2 * pi_here / blades) / 2, 2e-3) << blades;
+// Means and variances over u and v, however few the columns: of a disc 0 and 1/4, of a regular
+// polygon on the unit circle 0 and (2 + cos(2 pi / n)) / 12.
+TEST(LensPieces, hold_the_moments_of_their_lens) {
+    for (int blades = 2; blades < 9; ++blades)
+        for (const float turn : {0.0f, .3f, 2.0f})
+            for (const size_t columns : {1, 3, 8, 16}) {
+                Lens lens;
+                lens.blades = blades < 3 ? 0 : blades, lens.rotation = turn;
+                const adaptive::LensPieces pieces(lens, columns);
+                double area = 0, u = 0, uu = 0, v = 0, vv = 0;
+                for (size_t k = 0; k < columns; ++k) {
+                    const auto across = pieces.column(k), along = pieces.v[k];
+                    const auto power = [](adaptive::Interval of, int n) {
+                        return (std::pow(double(of.b), n) - std::pow(double(of.a), n)) / n;
+                    };
+                    area += power(across, 1) * power(along, 1);
+                    u += power(across, 2) * power(along, 1);
+                    uu += power(across, 3) * power(along, 1);
+                    v += power(across, 1) * power(along, 2);
+                    vv += power(across, 1) * power(along, 3);
+                }
+                const double variance =
+                    blades < 3 ? .25 : (2 + std::cos(2 * pi_here / blades)) / 12;
+                EXPECT_NEAR(u / area, 0, 1e-3) << blades << " " << columns;
+                EXPECT_NEAR(v / area, 0, 1e-3) << blades << " " << columns;
+                EXPECT_NEAR(uu / area, variance, 1e-3) << blades << " " << columns;
+                EXPECT_NEAR(vv / area, variance, 1e-3) << blades << " " << columns;
+            }
+}
+
+// A round lens leaves 2 J1(a) / a of a wave, a = 2 pi C / L; pieces leave as much of all that a
+// pixel resolves, L from 2 px.
+TEST(LensPieces, leave_of_a_wave_what_their_lens_leaves) {
+    const adaptive::LensCuts cuts{Lens{}};
+    for (const double coc : {.2, .5, 1., 1.5, 2., 2.6, 4., 6.})
+        for (double L = 2; L < 40; L *= 1.2) {
+            const double a = 2 * pi_here * coc / L;
+            const adaptive::LensPieces& pieces = cuts(float(coc));
+            double over_u = 0, over_v = 0, area = 0;
+            for (size_t k = 0; k < pieces.columns; ++k) {
+                const auto across = pieces.column(k), along = pieces.v[k];
+                const auto wave = [&](adaptive::Interval of) {
+                    return (std::sin(a * double(of.b)) - std::sin(a * double(of.a))) / a;
+                };
+                const double width = double(across.length()), height = double(along.length());
+                area += width * height;
+                over_u += height * wave(across), over_v += width * wave(along);
+            }
+            const double left = 2 * std::cyl_bessel_j(1, a) / a;
+            EXPECT_NEAR(over_u / area, left, .02) << coc << " " << L;
+            EXPECT_NEAR(over_v / area, left, .02) << coc << " " << L;
         }
 }
 
