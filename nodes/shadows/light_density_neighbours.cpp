@@ -4,11 +4,12 @@
 // so the receivers are where light samples are.
 // Source: density of the k nearest (Loftsgaarden and Quesenberry 1965).
 #include <algorithm>
+#include <array>
 #include <numbers>
 
+#include "adaptive/point_tree.h"
 #include "runtime/node.h"
 #include "shadows/camera_samples.h"
-#include "shadows/film_points.h"
 
 namespace weft {
 namespace {
@@ -48,7 +49,7 @@ struct LightDensityNeighbours {
         samples.require("light-density-neighbours", {"xy", "z"});
         const CameraSamples from(samples);
         // Where a sample's receiver lies at half time, seen from the middle of the light.
-        const auto on_film = [&](size_t i, FilmPoints::Point& at) {
+        const auto on_film = [&](size_t i, std::array<float, 2>& at) {
             if (!from.hit(i)) return false;
             const auto ends = from.ends(i);
             const Point3 p = view.from_camera(ends[0], ends[1], 0.5);
@@ -57,25 +58,25 @@ struct LightDensityNeighbours {
             at = {float(q[0]), float(q[1])};
             return true;
         };
-        std::vector<FilmPoints::Point> places;
-        places.reserve(samples.size());
-        FilmPoints::Point at;
+        std::vector<float> x, y;
+        std::array<float, 2> at;
         for (size_t i = 0; i < samples.size(); ++i)
-            if (on_film(i, at)) places.push_back(at);
-        const FilmPoints points(std::move(places));
+            if (on_film(i, at)) x.push_back(at[0]), y.push_back(at[1]);
+        const adaptive::PointTree points({x, y});
 
         std::vector<float> density(samples.size(), 1);
         // The sample itself is the nearest.
         const size_t near = std::min(size_t(neighbours) + 1, points.size());
         const double spp = samples.mean_spp(), high = double(most) * double(most), low = 1 / high;
         ctx.parallel(samples.size(), 4096, [&](size_t begin, size_t end) {
-            std::vector<float> nearest(near);
-            FilmPoints::Point place;
+            std::vector<adaptive::PointTree::Near> nearest;
+            std::array<float, 2> place;
             for (size_t i = begin; i < end; ++i) {
                 if (near > 1 && on_film(i, place)) {
-                    const double r = double(points.distance(place, nearest));
-                    density[i] = float(std::clamp(
-                        spp * std::numbers::pi * r * r / double(near - 1), low, high));
+                    points.nearest(place.data(), near, nearest);
+                    const double r2 = double(nearest.back().distance2);
+                    density[i] = float(
+                        std::clamp(spp * std::numbers::pi * r2 / double(near - 1), low, high));
                 }
             }
         });

@@ -4,43 +4,12 @@
 #include <sstream>
 
 #include "render/scene.h"
-#include "shadows/film_points.h"
 #include "shadows/light_jacobian_kernel.h"
 #include "shadows/receivers.h"
 #include "tests/graph_run.h"
 
 namespace weft {
 namespace {
-
-using shadows::FilmPoints;
-
-std::vector<FilmPoints::Point> random_points(size_t n, float side, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> place(0, side);
-    std::vector<FilmPoints::Point> out(n);
-    for (auto& p : out) p = {place(random), place(random)};
-    return out;
-}
-
-TEST(FilmPoints, FindTheDistanceThatALookAtAllOfThemFinds) {
-    for (const size_t n : {1u, 2u, 9u, 500u}) {
-        std::vector<FilmPoints::Point> all = random_points(n, 10, unsigned(n));
-        // Some lie in one place, or on one line.
-        for (size_t i = 0; i < n / 4; ++i) all[i] = all[n / 2];
-        for (size_t i = n / 4; i < n / 3; ++i) all[i][0] = all[n / 2][0];
-        const FilmPoints points(all);
-        for (const FilmPoints::Point at : random_points(50, 12, 3))
-            for (const size_t k : {size_t(1), n / 3 + 1, n}) {
-                std::vector<float> squares, nearest(k);
-                for (const FilmPoints::Point p : all) {
-                    const float dx = p[0] - at[0], dy = p[1] - at[1];
-                    squares.push_back(dx * dx + dy * dy);
-                }
-                std::sort(squares.begin(), squares.end());
-                EXPECT_EQ(points.distance(at, nearest), std::sqrt(squares[k - 1])) << n << " " << k;
-            }
-    }
-}
 
 // A floor under a light, seen from above.
 struct Floor {
