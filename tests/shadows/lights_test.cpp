@@ -100,38 +100,11 @@ std::string scene_of(const Lamp& lamp, const std::string& board) {
                        lamp.shapes, board.empty() ? "" : ", " + board, lamp.lights);
 }
 
-struct Lit {
-    Scene scene;
-    Samples samples, rays;
-    LightView view;
-    explicit Lit(const std::string& text, int spp = 16) {
-        TestFolder folder;
-        const std::string file = folder / "scene.json";
-        std::ofstream(file) << text;
-        scene = RunNode("read-scene").set("file", file).out<Scene>("scene");
-        samples = RunNode("render-samples")
-                      .in("scene", scene)
-                      .set("width", 64)
-                      .set("height", 8)
-                      .set("spp", spp)
-                      .set("mode", "direct")
-                      .set("channels", Json::list({"basic", "position", "normal", "id"}))
-                      .out<Samples>("samples");
-        view = RunNode("fit-light-view").in("samples", samples).out<LightView>("light-view");
-        rays = RunNode("render-light-samples")
-                   .in("scene", scene)
-                   .in("samples", samples)
-                   .in("light-view", view)
-                   .out<Samples>("light-samples");
-    }
-    Image visibility() const {
-        return RunNode("occluder-bounds")
-            .in("samples", samples)
-            .in("light-view", view)
-            .in("light-samples", rays)
-            .out<Image>("visibility");
-    }
-};
+SeenShadow lit(const std::string& text, int spp = 16) {
+    KnownShadow size;
+    size.spp = spp;
+    return SeenShadow(text, size);
+}
 
 // Columns' means of visibility, root mean square difference.
 double column_error(const Image& a, const std::function<double(int)>& exact) {
@@ -145,7 +118,7 @@ double column_error(const Image& a, const std::function<double(int)>& exact) {
 }
 
 TEST(MeshLights, AreQuadsWhereTheirTrianglesMakeOne) {
-    const Lit quad(scene_of(quad_lamp, "")), mesh(scene_of(mesh_lamp, ""));
+    const SeenShadow quad = lit(scene_of(quad_lamp, "")), mesh = lit(scene_of(mesh_lamp, ""));
     EXPECT_EQ(mesh.view.shape, LightView::Shape::mesh);
     EXPECT_TRUE(mesh.view.flat);
     EXPECT_NEAR(mesh.view.ax, quad.view.ax, 1e-6);
@@ -168,8 +141,8 @@ TEST(MeshLights, CastTheShadowOfTheQuadThatTheyAre) {
         const auto exact = [&](int x) {
             return past_edge_quad(((x + 0.5) / 64 * 2 - 1) * half, edge, 10, 6);
         };
-        EXPECT_LT(column_error(Lit(scene_of(quad_lamp, board), 64).visibility(), exact), 0.012);
-        EXPECT_LT(column_error(Lit(scene_of(mesh_lamp, board), 64).visibility(), exact), 0.012)
+        EXPECT_LT(column_error(lit(scene_of(quad_lamp, board), 64).bounds("visibility"), exact), 0.012);
+        EXPECT_LT(column_error(lit(scene_of(mesh_lamp, board), 64).bounds("visibility"), exact), 0.012)
             << edge;
     }
 }
@@ -206,11 +179,11 @@ TEST(MeshLights, AreBallsWhereTheirTrianglesMakeOne) {
     const Lamp ball{R"({"shape": "sphere", "name": "key", "at": [0, 10, 0], "radius": 1, "radiance": [1, 1, 1], "visible": false})", ""};
     const Lamp mesh{"", R"(, {"shape": "sphere", "name": "key", "material": "lamp", "at": [0, 10, 0], "segments": 48})"};
     const std::string board = half_plane(0.1);
-    const Image true_ball = Lit(scene_of(ball, board), 64).visibility();
-    const Lit made(scene_of(mesh, board), 64);
+    const Image true_ball = lit(scene_of(ball, board), 64).bounds("visibility");
+    const SeenShadow made = lit(scene_of(mesh, board), 64);
     EXPECT_FALSE(made.view.flat);
     EXPECT_EQ(made.rays.size(), made.samples.size());
-    EXPECT_LT(column_error(made.visibility(),
+    EXPECT_LT(column_error(made.bounds("visibility"),
                            [&](int x) {
                                double mean = 0;
                                for (int y = 0; y < 8; ++y) mean += double(*true_ball.at(x, y)) / 8;
@@ -225,11 +198,11 @@ TEST(MeshLights, MoveAsAWhole) {
     quad.lights.insert(1, speed);
     mesh.shapes.insert(mesh.shapes.find("\"shape\""), speed);
     const std::string board = half_plane(0);
-    const Lit still(scene_of(quad, board), 64), made(scene_of(mesh, board), 64);
+    const SeenShadow still = lit(scene_of(quad, board), 64), made = lit(scene_of(mesh, board), 64);
     EXPECT_TRUE(made.view.moves);
     EXPECT_FALSE(made.rays.motion().empty());
-    const Image known = still.visibility();
-    EXPECT_LT(column_error(made.visibility(),
+    const Image known = still.bounds("visibility");
+    EXPECT_LT(column_error(made.bounds("visibility"),
                            [&](int x) {
                                double mean = 0;
                                for (int y = 0; y < 8; ++y) mean += double(*known.at(x, y)) / 8;
@@ -252,7 +225,7 @@ TEST(MeshLights, MoveAsAWhole) {
 
 TEST(MeshLights, SayWhatIsMissing) {
     const auto error = [](const std::string& meta) {
-        Samples samples = Lit(scene_of(mesh_lamp, ""), 1).samples;
+        Samples samples = lit(scene_of(mesh_lamp, ""), 1).samples;
         samples.meta.set("lights", parse_json_or_throw(meta, "meta"));
         return error_of([&] {
             RunNode("fit-light-view").in("samples", samples).out<LightView>("light-view");
@@ -272,7 +245,7 @@ TEST(MeshLights, SayWhatIsMissing) {
               std::string::npos);
     EXPECT_EQ(error(mesh + one + "}]"), "");
     const Lamp fine{"", R"(, {"shape": "sphere", "name": "key", "material": "lamp", "at": [0, 10, 0], "segments": 128})"};
-    EXPECT_NE(error_of([&] { Lit(scene_of(fine, ""), 1); }).find("writes up to 4096"),
+    EXPECT_NE(error_of([&] { lit(scene_of(fine, ""), 1); }).find("writes up to 4096"),
               std::string::npos);
 }
 
@@ -314,7 +287,7 @@ TEST(SeveralLights, SayWhichOfThemIsMissing) {
 
 TEST(SeveralLights, AreFoundByNameAndByNumber) {
     const Lamp both{quad_lamp.lights, mesh_lamp.shapes};
-    const Samples samples = Lit(scene_of(both, ""), 1).samples;
+    const Samples samples = lit(scene_of(both, ""), 1).samples;
     const auto shape = [&](const std::string& light) {
         return RunNode("fit-light-view")
             .set("light", light)

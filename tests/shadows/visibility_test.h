@@ -42,13 +42,16 @@ inline std::string half_plane(double edge, double speed = 0) {
 
 // The row of values of these nodes as a filter of visibility is given them.
 struct SeenShadow {
+    Scene scene;
     Samples samples, rays;
     LightView view;
-    explicit SeenShadow(const KnownShadow& known) {
+    explicit SeenShadow(const KnownShadow& known) : SeenShadow(known.scene(), known) {}
+    // Of another scene, as many pixels and samples as `known` has.
+    SeenShadow(const std::string& text, const KnownShadow& known) {
         TestFolder folder;
         const std::string file = folder / "scene.json";
-        std::ofstream(file) << known.scene();
-        const Scene scene = RunNode("read-scene").set("file", file).out<Scene>("scene");
+        std::ofstream(file) << text;
+        scene = RunNode("read-scene").set("file", file).out<Scene>("scene");
         samples = RunNode("render-samples")
                       .in("scene", scene)
                       .set("width", known.width)
