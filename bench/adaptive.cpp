@@ -102,7 +102,7 @@ double reconstruct_s(const Samples& samples, const Metrics& tensors) {
                 const auto number = [&](size_t k) {
                     return unit_float(mix(mix(slice) ^ std::uint64_t(k)));
                 };
-                at.x0 = x0, at.y0 = y0, at.x1 = x0 + tile, at.y1 = y0 + tile, at.slice = slice;
+                at.x0 = x0, at.y0 = y0, at.x1 = x0 + tile, at.y1 = y0 + tile, at.number = slice;
                 at.t.assign(1, (float(slice) + 0.5f) / 64);
                 at.u.assign(1, number(0) - 0.5f), at.v.assign(1, number(1) - 0.5f);
                 at.x.resize(tile * tile), at.y.resize(tile * tile),

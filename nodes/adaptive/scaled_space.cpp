@@ -104,10 +104,10 @@ float place_of(const ScaledSpace& space, size_t axis, const Locations& at, size_
         const std::string& before = space.axes[d];
         others += before != "x" && before != "y" && before != "u" && before != "v" && before != "t";
     }
-    if (others < 2) return light_field::light_number(1, std::uint32_t(at.slice), others) * extent;
+    if (others < 2) return light_field::light_number(1, std::uint32_t(at.number), others) * extent;
     constexpr double steps[] = {0.41421356237309503, 0.73205080756887729, 0.2360679774997898,
                                 0.6457513110645907};
-    const double turned = (double(at.slice) + 0.5) * steps[others % 4];
+    const double turned = (double(at.number) + 0.5) * steps[others % 4];
     return float(turned - std::floor(turned)) * extent;
 }
 

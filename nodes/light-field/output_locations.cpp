@@ -1,9 +1,12 @@
 // output-locations: where to reconstruct. All locations of a slice share one (u, v, t), and each pixel
 // has its own (x, y) in it; so a stage can carry the samples to that (u, v, t) once for all of them.
 // Source: Lehtinen et al. 2011, Sec. 3.1.  Departure: (u, v, t) are common to all pixels (points.h has
-// the set), not one of 64 patterns a pixel; `sets` gives back some of that variety.
+// the set), not one of 64 patterns a pixel; `sets` gives back some of that variety, and `spacing` saves
+// what a scene in focus does not need.
+#include <algorithm>
 #include <vector>
 
+#include "light-field/blur_bounds.h"
 #include "light-field/points.h"
 #include "light-field/streams.h"
 #include "runtime/node.h"
@@ -16,6 +19,7 @@ enum class Position { spread, center };
 
 struct OutputLocations {
     int per_pixel = 128, per_slice = 1, sets = 1;
+    float spacing = 0;
     std::uint64_t seed = 1;
     Choice lens = Choice::sampled, time = Choice::sampled;
     Position position = Position::spread;
@@ -30,6 +34,10 @@ struct OutputLocations {
             .param("per-pixel", &OutputLocations::per_pixel, {.min = 1, .max = 1 << 20, .about = "locations a pixel"})
             .param("per-slice", &OutputLocations::per_slice,
                    {.min = 1, .max = 64, .about = "locations of a pixel that have one (u, v, t): faster, fewer points on the lens"})
+            .param("spacing", &OutputLocations::spacing,
+                   {.unit = "px", .min = 0, .max = 64,
+                    .about = "more of a pixel's locations have one (u, v, t) where all that is seen is then still shown at places no farther apart than "
+                             "this: faster in focus, same picture up to noise; 0: nowhere"})
             .param("sets", &OutputLocations::sets,
                    {.min = 1, .max = 16,
                     .about = "sets of (u, v, t) that neighbouring pixels take in turn: noise instead of dots in large highlights, slower"})
@@ -42,9 +50,15 @@ struct OutputLocations {
             .choice("position", &OutputLocations::position, {"spread", "center"}, {.about = "spread over the pixel, or at its centre"});
     }
 
+    // Blocks of pixels, aligned to the picture so that nothing depends on tiles, each share slices as
+    // far as their blur allows: of a pixel's locations per-slice times 2^level have one (u, v, t).
+    static constexpr int block = 32, levels = 7;
+
     struct Scratch {
-        std::vector<light_field::LensPoint> points;         // slice by slice, set by set
-        std::vector<std::uint32_t> scramble_x, scramble_y;  // of the tile's pixels
+        std::vector<light_field::LensPoint> points[levels];  // slice by slice, set by set
+        std::vector<std::uint32_t> scramble_x, scramble_y;   // of the tile's pixels
+        std::vector<int> level;                              // of the tile's blocks, row by row
+        std::vector<std::uint32_t> groups;
         Tile of;
         bool filled = false;
     };
@@ -55,10 +69,12 @@ struct OutputLocations {
         throw Error("the picture's size is not known; link 'hierarchy' or 'samples'");
     }
 
-    size_t slices() const { return size_t((per_pixel + per_slice - 1) / per_slice); }
+    size_t each(int level) const { return size_t(per_slice) << level; }
+    size_t slices(int level) const { return (size_t(per_pixel) + each(level) - 1) / each(level); }
 
-    void prepare(const Inputs& in, Scratch& scratch) const {
-        if (!scratch.points.empty()) return;
+    const std::vector<light_field::LensPoint>& points_of(int level, const Inputs& in, Scratch& scratch) const {
+        std::vector<light_field::LensPoint>& points = scratch.points[level];
+        if (!points.empty()) return points;
         Lens shape;
         ShutterCurve shutter;
         if (const Hierarchy* h = in.find<Hierarchy>("hierarchy")) {
@@ -67,38 +83,65 @@ struct OutputLocations {
             const Samples& samples = in.get<Samples>("samples");
             shape = samples.lens.value_or(Lens{}), shutter = shutter_of(samples.meta);
         }
-        for (size_t i = 0; i < slices(); ++i)
+        for (size_t i = 0; i < slices(level); ++i)
             for (int set = 0; set < sets; ++set) {
                 light_field::LensPoint p =
-                    light_field::lens_point(seed + 0x9e37u * std::uint64_t(set), std::uint32_t(i), std::uint32_t(slices()), shape);
+                    light_field::lens_point(seed + 0x9e37u * std::uint64_t(set), std::uint32_t(i), std::uint32_t(slices(level)), shape);
                 p.t = shutter.time(p.t);
                 if (lens == Choice::fixed) p.u = u, p.v = v;
                 if (time == Choice::fixed) p.t = t;
-                scratch.points.push_back(p);
+                points.push_back(p);
             }
+        return points;
+    }
+
+    // The highest level whose slices, spread evenly over lens and shutter, show all that may be seen in a block at
+    // places at most `spacing` apart: what the lens spreads over a disk, motion spreads along a line.
+    int level_of(const Hierarchy& h, int x, int y, Scratch& scratch) const {
+        const auto blur = light_field::blur_bounds(h, x, y, std::min(x + block, h.width), std::min(y + block, h.height), scratch.groups);
+        const double disk = lens == Choice::sampled ? 1 + double(blur.lens / spacing) : 1,
+                     path = time == Choice::sampled ? double(blur.path / spacing) : 0;
+        int level = 0;
+        while (level + 1 < levels && each(level) < size_t(per_pixel) && double(slices(level + 1)) >= disk * (disk + path)) ++level;
+        return level;
+    }
+
+    void begin_tile(const Inputs& in, Scratch& scratch) const {
+        const Tile& tile = in.tile();
+        scratch.scramble_x.clear();
+        scratch.scramble_y.clear();
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const std::uint64_t scramble = light_field::pixel_scramble(seed, x, y);
+                scratch.scramble_x.push_back(std::uint32_t(scramble));
+                scratch.scramble_y.push_back(std::uint32_t(scramble >> 32));
+            }
+        const Hierarchy* h = spacing > 0 ? in.find<Hierarchy>("hierarchy") : nullptr;
+        scratch.level.clear();
+        for (int y = tile.y0 / block * block; y < tile.y1; y += block)
+            for (int x = tile.x0 / block * block; x < tile.x1; x += block)
+                scratch.level.push_back(h ? level_of(*h, x, y, scratch) : 0);
+        scratch.of = tile;
+        scratch.filled = true;
     }
 
     bool next(const Inputs& in, size_t index, Outputs& out, Scratch& scratch) const {
         const Tile& tile = in.tile();
-        // Slice by slice, set by set, location by location of a pixel: what shares (u, v, t) is neighbours.
-        const size_t each = size_t(per_slice), point = index / each, i = point / size_t(sets) * each + index % each;
-        const int set = int(point % size_t(sets));
-        prepare(in, scratch);
-        if (point >= scratch.points.size()) return false;
-        if (!scratch.filled || scratch.of.index != tile.index || index == 0) {
-            scratch.scramble_x.clear();
-            scratch.scramble_y.clear();
-            for (int y = tile.y0; y < tile.y1; ++y)
-                for (int x = tile.x0; x < tile.x1; ++x) {
-                    const std::uint64_t scramble = light_field::pixel_scramble(seed, x, y);
-                    scratch.scramble_x.push_back(std::uint32_t(scramble));
-                    scratch.scramble_y.push_back(std::uint32_t(scramble >> 32));
-                }
-            scratch.of = tile;
-            scratch.filled = true;
+        if (!scratch.filled || scratch.of.index != tile.index || index == 0) begin_tile(in, scratch);
+        // Level by level, slice by slice, set by set, location by location of a pixel: what shares (u, v, t) is neighbours.
+        int level = 0;
+        const auto& of_blocks = scratch.level;
+        for (;; ++level) {
+            if (level == levels) return false;
+            if (std::find(of_blocks.begin(), of_blocks.end(), level) == of_blocks.end()) continue;
+            const size_t batches = slices(level) * size_t(sets) * each(level);
+            if (index < batches) break;
+            index -= batches;
         }
+        const size_t point = index / each(level), i = point / size_t(sets) * each(level) + index % each(level);
+        const int set = int(point % size_t(sets));
+        const light_field::LensPoint p = points_of(level, in, scratch)[point];
         Locations& at = out.get<Locations>("locations");
-        const light_field::LensPoint p = scratch.points[point];
         at.shared = true;
         at.u.assign(1, p.u);
         at.v.assign(1, p.v);
@@ -107,7 +150,7 @@ struct OutputLocations {
         at.y0 = tile.y0;
         at.x1 = tile.x1;
         at.y1 = tile.y1;
-        at.slice = point;
+        at.number = i;
         const size_t most = size_t(tile.width()) * size_t(tile.height());
         at.x.resize(most);
         at.y.resize(most);
@@ -115,9 +158,11 @@ struct OutputLocations {
         const auto pattern = light_field::pixel_pattern(std::uint32_t(i));
         const bool spread = position == Position::spread;
         const size_t wide = size_t(tile.width());
+        const bool some = sets > 1 || std::count(of_blocks.begin(), of_blocks.end(), level) < std::ptrdiff_t(of_blocks.size());
+        const int blocks_across = (tile.x1 + block - 1) / block - tile.x0 / block;
         size_t n = 0, pixel = 0;
         for (int y = tile.y0; y < tile.y1 && i < size_t(per_pixel); ++y, pixel += wide) {
-            // A whole row, as vectors; then, of several sets, what is in this one.
+            // A whole row, as vectors; then, where not all pixels are in this batch, those that are.
             float *to_x = &at.x[n], *to_y = &at.y[n];
             std::uint32_t* to_pixel = &at.own_pixels[n];
             const std::uint32_t *scramble_x = &scratch.scramble_x[pixel],
@@ -130,9 +175,11 @@ struct OutputLocations {
                 to_y[k] = float(y) + (spread ? unit_float(pattern[1] ^ scramble_y[k]) : 0.5f);
                 to_pixel[k] = first + std::uint32_t(k);
             }
-            size_t kept = sets > 1 ? 0 : wide;
-            for (size_t k = 0; k < wide && sets > 1; ++k) {
-                if ((tile.x0 + int(k) + 3 * y) % sets != set) continue;
+            size_t kept = some ? 0 : wide;
+            const int* of_row = &of_blocks[size_t(y / block - tile.y0 / block) * size_t(blocks_across)];
+            for (size_t k = 0; k < wide && some; ++k) {
+                const int x = tile.x0 + int(k);
+                if (of_row[x / block - tile.x0 / block] != level || (sets > 1 && (x + 3 * y) % sets != set)) continue;
                 to_x[kept] = to_x[k];
                 to_y[kept] = to_y[k];
                 to_pixel[kept++] = to_pixel[k];
@@ -145,7 +192,7 @@ struct OutputLocations {
     }
 };
 
-WEFT_NODE(OutputLocations, "output-locations", 1)
+WEFT_NODE(OutputLocations, "output-locations", 2)
 
 }  // namespace
 }  // namespace weft

@@ -41,7 +41,8 @@ inline const Projection& projected(const Hierarchy& h, const Locations& at, floa
     Projection& p = to ? *to : scratch.projection;
     const bool same_block = scratch.hierarchy == &h && scratch.x0 == at.x0 && scratch.y0 == at.y0 &&
                             scratch.x1 == at.x1 && scratch.y1 == at.y1;
-    if (same_block && of_this(p) && p.reach >= radius) return p;
+    p.kept = same_block && of_this(p) && p.reach >= radius;
+    if (p.kept) return p;
     collect_for(h, at, reach, scratch.block);
     WEFT_PICK(project)(h, scratch.block, at.u[0], at.v[0], at.t[0], colors, p);
     scratch.hierarchy = &h;

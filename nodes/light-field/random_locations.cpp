@@ -41,7 +41,7 @@ struct RandomLocations {
         at.x1 = tile.x1;
         at.y0 = y;
         at.y1 = y + 1;
-        at.slice = index;
+        at.number = index;
         for (int x = tile.x0; x < tile.x1; ++x)
             for (int i = first; i < std::min(first + at_once, per_pixel); ++i) {
                 std::uint64_t key = mix(light_field::pixel_scramble(seed, x, y) + std::uint64_t(i));

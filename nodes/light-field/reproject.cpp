@@ -34,7 +34,7 @@ struct Reproject {
         Projection* made = out.wanted("projection") ? &out.get<Projection>("projection") : nullptr;
         if (!at.shared) {
             gather_around(h, at, radius_scale, scratch.block, found);
-            if (made) made->hierarchy = nullptr;
+            if (made) made->hierarchy = nullptr, made->samples = 0;
             return;
         }
         const Projection* known = in.find<Projection>("projection");

@@ -53,7 +53,7 @@ struct ScanlineLocations {
         at.x1 = tile.x1;
         at.y0 = line;
         at.y1 = line + 1;
-        at.slice = std::uint64_t(row);
+        at.number = std::uint64_t(row);
         for (int x = tile.x0; x < tile.x1; ++x) {
             const auto scramble = std::uint32_t(light_field::pixel_scramble(seed, x, row));
             for (int i = 0; i < per_pixel; ++i) {

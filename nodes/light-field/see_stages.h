@@ -89,7 +89,7 @@ struct SeeStages {
             p = &projected(h, at, radius, std::max(reach, search) * largest, !set.final,
                            in.find<Projection>("projection"), made, scratch.projected);
         else if (made)
-            made->hierarchy = nullptr;
+            made->hierarchy = nullptr, made->samples = 0;
         const bool whole = p && h.radii.empty() && at.ratio.empty();
         if (whole) {
             if (nearest) nearest->resize(at.size());

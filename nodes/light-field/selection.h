@@ -12,7 +12,7 @@ inline void select(const Locations& from, const Visibility& visibility, Decision
     to.own_pixels.clear();
     to.own_parents.clear();
     to.shared = from.shared;
-    to.slice = from.slice;
+    to.number = from.number;
     to.x0 = from.x0;
     to.y0 = from.y0;
     to.x1 = from.x1;

@@ -19,7 +19,7 @@ struct Locations : Batch {
     std::vector<float> u, v, t;  // lens in the unit disk, time in [0, 1]; one value each where shared
     bool shared = false;         // all records have the same (u, v, t)
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // every location lies in these pixels
-    std::uint64_t slice = 0;     // batches of the same slice and pixels share (u, v, t)
+    std::uint64_t number = 0;    // of the pixels' locations: what spreads them over further dimensions
     std::vector<float> ratio;    // R of each location over the hierarchy's; empty: by their place
 
     float u_of(size_t i) const { return u[shared ? 0 : i]; }
@@ -54,11 +54,12 @@ struct Projection : Batch {
     float slope_step = 0, velocity_step = 0;           // of the bytes; see Candidates::spread
     std::uint32_t spread = 0;                          // of all samples: 0xffffffff: not known
     size_t samples = 0;                                // projected
+    bool kept = false;                                 // from the batch before, whose (u, v, t) is the same
     bool colored = false;
     std::vector<float> rgba;                           // 4 an entry, where colored
 
     std::uint32_t row_start(int row) const { return start[size_t(row) * size_t(columns + 1)]; }
-    void count(Items& items) const { items.add("projected", samples); }
+    void count(Items& items) const { items.add("projected", kept ? 0 : samples); }
     void describe(FieldVisitor& see) const;
 };
 

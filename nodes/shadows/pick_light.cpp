@@ -83,7 +83,7 @@ struct PickLight {
                                                        mix(seed + 2)));
         constexpr double golden = 0.6180339887498949;
         const double number =
-            double(unit_float(mix(mix(seed + 2) ^ at.pixels[l]))) + golden * double(at.slice);
+            double(unit_float(mix(mix(seed + 2) ^ at.pixels[l]))) + golden * double(at.number);
         return number - std::floor(number);
     }
 };

@@ -166,7 +166,7 @@ class Receivers {
     static std::array<float, 3> floats(Point3 p) { return {float(p.x), float(p.y), float(p.z)}; }
     void start(std::uint64_t seed, const Locations& from, size_t n, Locations& at) const {
         at.shared = from.shared && view_.same_points();
-        at.slice = from.slice;
+        at.number = from.number;
         at.x.resize(n);
         at.y.resize(n);
         const size_t sets = at.shared ? 1 : n;
@@ -181,7 +181,7 @@ class Receivers {
     // A location's number for the light's point, in one of two dimensions.
     static double number(std::uint64_t seed, const Locations& from, size_t l, int dimension) {
         if (from.shared)
-            return double(light_field::light_number(seed, std::uint32_t(from.slice), dimension));
+            return double(light_field::light_number(seed, std::uint32_t(from.number), dimension));
         return double(light_field::location_number(from.x[l], from.y[l], from.u_of(l), from.t_of(l),
                                                    mix(seed + std::uint64_t(dimension))));
     }

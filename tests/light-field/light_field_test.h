@@ -60,6 +60,14 @@ inline Samples random_samples(int width, int height, int spp, Kind_of kind, unsi
     return s;
 }
 
+// The name of a file of these samples.
+inline std::string saved(const TestFolder& folder, const Samples& samples) {
+    PlainContext ctx;
+    const std::string path = folder / "samples.npz";
+    write_npz(samples, path, false, ctx);
+    return path;
+}
+
 // A graph that reconstructs `file`; `locations` are parameters of output-locations, `picture` is the node whose
 // image is written: picture or energy.
 inline std::string tlfr_text(const std::string& file, const std::string& locations, const std::string& picture = "picture") {

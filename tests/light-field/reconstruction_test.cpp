@@ -6,13 +6,6 @@
 namespace weft {
 namespace {
 
-std::string saved(const TestFolder& folder, const Samples& samples) {
-    PlainContext ctx;
-    const std::string path = folder / "samples.npz";
-    write_npz(samples, path, false, ctx);
-    return path;
-}
-
 double rms_against_exact(const Image& picture, const char* scene, const AnalyticOptions& options, int border) {
     double sum = 0;
     size_t n = 0;
