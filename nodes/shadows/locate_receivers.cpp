@@ -20,7 +20,8 @@ struct LocateReceivers {
             .in<Hierarchy>("hierarchy", "of the camera's samples")
             .in<Samples>("samples",
                          "the same; geometric_normal keeps curved surfaces from shadowing "
-                         "themselves, light_density scales the search, light_metric shapes it")
+                         "themselves, light_density scales the search, light_metric shapes it; what "
+                         "sees all of the light (all_lit) is not asked")
             .in<LightView>("light-view", "of the same samples")
             .out<Locations>("locations", "on the light's film, at a point (u, v) of the light")
             .out<ShadowQueries>("queries", "the receivers' depths there")
@@ -50,7 +51,7 @@ struct LocateReceivers {
     }
 };
 
-WEFT_NODE(LocateReceivers, "locate-receivers", 3)
+WEFT_NODE(LocateReceivers, "locate-receivers", 4)
 
 }  // namespace
 }  // namespace weft

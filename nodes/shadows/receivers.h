@@ -66,12 +66,13 @@ struct Receiver {
     FilmMetric metric;
     std::uint32_t sample =
         SeenSamples::none;  // of the camera's buffer; none: of the hierarchy, nothing to light
+    bool lit = false;  // it sees all of the light, and need not ask; all else is not known
 };
 
 class Receivers {
   public:
-    // `hierarchy` of the camera's `samples`; of these geometric_normal, light_density and
-    // light_metric, if there. `most`: how much longer than wide a pixel of the camera may be on the
+    // `hierarchy` of the camera's `samples`; of these geometric_normal, light_density, light_metric
+    // and all_lit, if there. `most`: how much longer than wide a pixel of the camera may be on the
     // film; 1: it is round.
     Receivers(const Hierarchy& hierarchy, const Samples& samples, const LightView& view,
               float most = 1)
@@ -80,7 +81,8 @@ class Receivers {
           most_(most),
           metric_(most > 1 ? samples.values("light_metric") : std::span<const float>()),
           normals_(samples.values("geometric_normal")),
-          density_(samples.values("light_density")) {
+          density_(samples.values("light_density")),
+          lit_(samples.values("all_lit")) {
         if (h_.size() != samples.size())
             throw Error(
                 "'samples' are not those of 'hierarchy': link the ones that build-hierarchy got, "
@@ -99,6 +101,10 @@ class Receivers {
         Receiver r;
         if (h_.W[s] >= 0x1p+39f) return r;  // the background
         r.sample = h_.order[s];
+        if (!lit_.empty() && lit_[r.sample] > 0) {
+            r.lit = true;
+            return r;
+        }
         const Point3 middle{double(h_.X[s]), double(h_.Y[s]), double(h_.W[s])};
         Point3 half;
         if (h_.moving) {
@@ -138,7 +144,7 @@ class Receivers {
             if (seen[l] == SeenSamples::none) continue;
             const Receiver& r = receiver(seen[l]);
             ask.sample[l] = r.sample;
-            if (r.sample == SeenSamples::none) continue;
+            if (r.sample == SeenSamples::none || r.lit) continue;
             const float t = from.t_of(l);
             batch.x[l] = r.open[0] + t * r.way[0];
             batch.y[l] = r.open[1] + t * r.way[1];
@@ -189,7 +195,7 @@ class Receivers {
     const Hierarchy& h_;
     const LightView& view_;
     const float most_;
-    std::span<const float> metric_, normals_, density_;
+    std::span<const float> metric_, normals_, density_, lit_;
     std::array<Map3, 2>
         to_light_;  // of homogeneous places in the picture, at both ends of the shutter
 };

@@ -117,6 +117,21 @@ TEST_P(ShadowScene, IsTheSameStageByStage) {
     }
 }
 
+// Samples that lit-receivers finds need not ask: the picture is that of asking for all.
+TEST_P(ShadowScene, IsTheSameWhereAllAreAsked) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << GetParam().scene;
+    for (const Isa isa : instruction_sets()) {
+        const PinnedIsa pinned(isa);
+        const auto picture = [&](const char* set) {
+            return values_of(GraphRun(graph_of(file, "shadows"), 32, 1, true, {set}).picture);
+        };
+        EXPECT_EQ(picture("shadow/lit.test=both-planes"), picture("shadow/lit.test=linear"))
+            << name_of(isa);
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Lights, ShadowScene,
     testing::Values(Case{"quad", scene_text(quad)}, Case{"disc", scene_text(disc)},
@@ -297,6 +312,42 @@ TEST(PassingRays, LieOnTheirRaysBeforeTheirHits) {
               std::string::npos);
     EXPECT_NE(error_of([&] { passes_of(by, few); }).find("do not say which camera samples"),
               std::string::npos);
+}
+
+// Of a plane's samples most see all of the light, of those that something stops none do.
+TEST(LitReceivers, AreThoseThatNothingComesNear) {
+    for (const Seen& of : {Seen(scene_text(quad)), Seen(scene_text(disc, 0.5))}) {
+        const Samples hits = RunNode("light-samples-from-file")
+                                 .in("samples", of.samples)
+                                 .in("light-view", of.view)
+                                 .out<Samples>("light-samples");
+        const auto hierarchy_of = [](const Samples& samples) {
+            return RunNode("build-hierarchy").in("samples", samples).out<Hierarchy>("hierarchy");
+        };
+        const auto by = [&](const char* test) {
+            return RunNode("lit-receivers")
+                .set("test", test)
+                .in("hits", hierarchy_of(hits))
+                .in("hierarchy", hierarchy_of(of.samples))
+                .in("samples", of.samples)
+                .in("light-view", of.view)
+                .out<Samples>("samples");
+        };
+        const Samples found = by("both-planes"), none = by("linear");
+        const auto lit = found.values("all_lit"), hit = of.samples.values("shadow_hit"),
+                   at = of.samples.values("position");
+        size_t all = 0, surely = 0;
+        for (size_t i = 0; i < found.size(); ++i) {
+            if (!std::isfinite(of.samples.z()[i])) continue;
+            ++all, surely += lit[i] > 0;
+            double gap = 0;
+            for (size_t c = 0; c < 3; ++c)
+                gap = std::max(gap, std::abs(double(hit[3 * i + c] - at[3 * i + c])));
+            if (gap > 0.01) EXPECT_EQ(lit[i], 0) << i;
+        }
+        EXPECT_GT(surely, all / 2);
+        for (const float l : none.values("all_lit")) EXPECT_EQ(l, 0);
+    }
 }
 
 TEST(LightSamplesFromCamera, AreTheCamerasHits) {

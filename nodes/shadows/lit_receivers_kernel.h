@@ -1,0 +1,67 @@
+// Which receivers see all of a light: nothing that the light sees comes near any way from one of its
+// points to the receiver, at any time. No vote of the rays around (ray_vote_kernel.h) could come out
+// otherwise, so their locations need not ask.
+// Source: own.  Cost: a search a group of receivers and a glance at a few groups of light samples
+// each, some 0.2 us a receiver.  Threads: each call touches its own outputs only.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "light-field/hierarchy.h"
+#include "runtime/isa.h"
+#include "shadows/receivers.h"
+
+namespace weft::shadows {
+
+// Where groups of light samples are as the middle of the light sees them, over the whole shutter.
+struct LightBounds {
+    std::vector<float> x_low, x_high, y_low, y_high;  // px
+    std::vector<float> nearest;                       // the greatest 1/w
+    std::vector<std::uint32_t> group;                 // which these are of; empty: all, in order
+    size_t size = 0;  // the arrays are longer by whole vectors of what is nowhere
+
+    void resize(size_t n);
+    static constexpr size_t spare = 16;
+};
+
+// The hierarchy's own groups, and these by `Hierarchy::fan_out`.
+struct LightBoundsLevels {
+    LightBounds groups, blocks;
+};
+LightBoundsLevels bounds_of(const Hierarchy& hits);
+
+// A receiver that stands still, as the middle of the light sees it.
+struct StillReceiver {
+    float x_low, x_high, y_low, y_high;  // px; what stands still moves by rounding
+    float far, near;                     // 1/w
+    float slope_x, slope_y;              // of 1/w a px, of its plane
+    float radius;                        // px: how far it looks for light samples
+    float turn;    // the least by which slopes are divided at points of the light (planes.h)
+    float behind;  // how much less 1/w than the receiver's is may be before its plane within reach
+};
+
+struct LitSettings {
+    float c0x = 0, c0y = 0;  // px a unit of 1/w from the light's middle to where it ends
+    bool round = false;      // that is: a disc, else a rectangle
+    float px = 0;            // 1/w a unit of 1/w, by which what bends may rise a px
+    float bias = 0;          // relative: what is nearer by less does not count
+    float sure = 1;          // of the radius, within which a light sample is near by any metric
+};
+
+struct LitScratch {
+    LightBounds near;
+};
+
+#define WEFT_LIT_RECEIVERS_KERNELS(isa)                                                          \
+    namespace isa {                                                                              \
+    /* 1 where all of the light is seen, for sure. Receivers of a call should be neighbours. */  \
+    void find_lit(const Hierarchy& hits, const LightBoundsLevels& bounds, const LitSettings& set, \
+                  std::span<const StillReceiver> receivers, LitScratch& scratch,                 \
+                  std::uint8_t* lit);                                                            \
+    }
+WEFT_LIT_RECEIVERS_KERNELS(v2)
+WEFT_LIT_RECEIVERS_KERNELS(v3)
+WEFT_LIT_RECEIVERS_KERNELS(v4)
+
+}  // namespace weft::shadows
