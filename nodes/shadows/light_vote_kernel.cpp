@@ -55,6 +55,7 @@ class Voting {
         open.resize(left);
         if (open.empty() || passes_.size() == 0) return;
         project(passes_, s_.passes);
+        work_out_passes();
         for (size_t k = 0; k < left; ++k) ask_passes(k);
     }
 
@@ -118,9 +119,10 @@ class Voting {
         return planes_.seen(queries_.inverse_depth[l], {queries_.slope_x[l], queries_.slope_y[l]});
     }
 
-    // Brings together what is nearer to the light than a location's plane; n_ of them. Returns how
-    // many samples are near.
-    size_t find_nearer(const Projection& p, size_t l, const Seen& r) {
+    // work(entries' first, dx, dy, 1/w, which) for vectors with some that are nearer to the light than
+    // a location's plane, in the order of EntryVectors. Returns how many samples are near.
+    template <class Work>
+    HWY_INLINE size_t each_nearer(const Projection& p, size_t l, const Seen& r, Work&& work) {
         const float ratio = at_.ratio.empty() ? 1.0f : at_.ratio[l],
                     radius = hits_.radius * ratio;
         const VF limit = hn::Set(f, radius * radius), x = hn::Set(f, at_.x[l]),
@@ -131,7 +133,6 @@ class Voting {
         const std::uint32_t* row = p.start.data() + s_.first[l];
         const std::uint32_t* last = row + s_.rows[l] * pitch_;
         size_t near = 0;
-        n_ = 0;
         for (; row != last; row += pitch_) {
             const size_t end = row[across];
             for (size_t i = row[0]; i < end; i += lanes) {
@@ -143,83 +144,129 @@ class Voting {
                 const VF here = hn::Add(plane, hn::Add(hn::Mul(rise_x, dx), hn::Mul(rise_y, dy)));
                 const auto nearer = hn::And(in, hn::Lt(here, depth));
                 if (hn::AllFalse(f, nearer)) continue;
-                s_.nearer.grow(n_ + 2 * lanes);
-                const Pack pack(nearer);
-                pack.store(dx, &s_.nearer.x[n_]);
-                pack.store(dy, &s_.nearer.y[n_]);
-                pack.store(depth, &s_.nearer.inverse[n_]);
-                pack.store(entry.sample(), &s_.nearer.sample[n_]);
-                n_ += pack.count;
+                work(i, entry, dx, dy, depth, nearer);
             }
         }
         return near;
     }
 
-    // Of those, a vector from i on, and which of it stand before the receiver.
-    struct Nearer : PlaneVectors::Samples {
-        VU sample;
-        PlaneVectors::Before before;
-    };
-    HWY_INLINE Nearer nearer(const Hierarchy& h, size_t i, const Seen& r) const {
-        const auto valid = hn::FirstN(f, n_ - i);
-        Nearer s;
-        s.dx = hn::LoadU(f, &s_.nearer.x[i]), s.dy = hn::LoadU(f, &s_.nearer.y[i]);
-        s.inverse = hn::LoadU(f, &s_.nearer.inverse[i]);
-        s.sample =
-            hn::IfThenElseZero(hn::RebindMask(un, valid), hn::LoadU(un, &s_.nearer.sample[i]));
-        const bool planes = !h.plane_x.empty();
-        s.plane_x = s.plane_y = hn::Zero(f);
-        if (planes) {
-            const VI at = hn::BitCast(sn, s.sample);
-            s.plane_x = hn::GatherIndex(f, h.plane_x.data(), at);
-            s.plane_y = hn::GatherIndex(f, h.plane_y.data(), at);
-        }
-        s.before = planes_.before(r, s, planes);
-        s.before.which = hn::And(valid, s.before.which);
-        return s;
-    }
-
     // What stops a location's light, should no ray pass it: stops_ on.
     void find_stops(size_t l) {
         const Seen r = receiver(l);
-        out_.votes[l] = std::uint32_t(find_nearer(s_.hits.projection, l, r));
+        auto& found = s_.nearer;
+        size_t n = 0;
+        const size_t near = each_nearer(
+            s_.hits.projection, l, r,
+            [&](size_t, const EntryVectors& entry, VF dx, VF dy, VF depth, auto nearer) HWY_ATTR {
+                found.grow(n + 2 * lanes);
+                const Pack pack(nearer);
+                pack.store(dx, &found.x[n]);
+                pack.store(dy, &found.y[n]);
+                pack.store(depth, &found.inverse[n]);
+                pack.store(entry.sample(), &found.sample[n]);
+                n += pack.count;
+            });
+        out_.votes[l] = std::uint32_t(near);
         auto& stops = s_.stops;
         const size_t first = stops_;
-        for (size_t i = 0; i < n_; i += lanes) {
-            const Nearer b = nearer(hits_, i, r);
+        const bool planes = !hits_.plane_x.empty();
+        for (size_t i = 0; i < n; i += lanes) {
+            const auto valid = hn::FirstN(f, n - i);
+            const VF dx = hn::LoadU(f, &found.x[i]), dy = hn::LoadU(f, &found.y[i]),
+                     inverse = hn::LoadU(f, &found.inverse[i]);
+            VF beside = inverse;
+            if (planes) {
+                const VI sample = hn::BitCast(
+                    sn, hn::IfThenElseZero(hn::RebindMask(un, valid),
+                                           hn::LoadU(un, &found.sample[i])));
+                const auto rise = planes_.own(inverse, hn::GatherIndex(f, hits_.plane_x.data(), sample),
+                                              hn::GatherIndex(f, hits_.plane_y.data(), sample));
+                beside = PlaneVectors::beside(dx, dy, inverse, rise.x, rise.y);
+            }
+            const auto before = planes_.before(r, dx, dy, inverse, beside);
             stops.grow(stops_ + 2 * lanes);
-            const Pack pack(b.before.which);
-            pack.store(b.dx, &stops.x[stops_]);
-            pack.store(b.dy, &stops.y[stops_]);
-            pack.store(b.before.beside, &stops.inverse[stops_]);
+            const Pack pack(hn::And(valid, before.which));
+            pack.store(dx, &stops.x[stops_]);
+            pack.store(dy, &stops.y[stops_]);
+            pack.store(beside, &stops.inverse[stops_]);
             stops_ += pack.count;
         }
         if (stops_ > first) out_.share[l] = 0;
     }
 
+    // What is asked of passes again and again, of each entry of their grid: how their planes rise,
+    // how deep they get; how far they move a unit of 1/w, as the light is looked at from here and not
+    // from where their rays started; and how far what bends may come out beside them.
+    void work_out_passes() {
+        const Projection& p = s_.passes.projection;
+        auto& traits = s_.traits;
+        const size_t n = p.start[pitch_ * size_t(p.rows)];
+        traits.grow(n + lanes);
+        const bool planes = !passes_.plane_x.empty(), lens = !passes_.uv.empty();
+        const auto* order = reinterpret_cast<const std::int32_t*>(passes_.order.data());
+        for (size_t i = 0; i < n; i += lanes) {
+            const EntryVectors entry(&p.entries[i]);
+            const VI sample = hn::BitCast(
+                sn, hn::IfThenElseZero(hn::FirstN(un, n - i), in_order(entry.sample())));
+            const VF inverse = hn::BitCast(f, in_order(entry.traits()));
+            const VF end = hn::GatherIndex(f, passes_.end.data(), sample);
+            hn::StoreU(hn::Div(hn::Set(f, 1.0f), end), f, &traits.end[i]);
+            if (planes) {
+                const auto rise =
+                    planes_.own(inverse, hn::GatherIndex(f, passes_.plane_x.data(), sample),
+                                hn::GatherIndex(f, passes_.plane_y.data(), sample));
+                hn::StoreU(rise.x, f, &traits.rise_x[i]), hn::StoreU(rise.y, f, &traits.rise_y[i]);
+            }
+            if (!lens) continue;
+            const VI from = hn::ShiftLeft<1>(hn::GatherIndex(sn, order, sample));
+            const VF lx = hn::GatherIndex(f, passes_.uv.view().data(), from),
+                     ly = hn::GatherIndex(f, passes_.uv.view().data() + 1, from);
+            const VF x = hn::Mul(hn::Set(f, lens_x_), hn::Sub(hn::Set(f, lx_), lx)),
+                     y = hn::Mul(hn::Set(f, lens_y_), hn::Sub(hn::Set(f, ly_), ly));
+            hn::StoreU(x, f, &traits.way_x[i]), hn::StoreU(y, f, &traits.way_y[i]);
+            // Squared, the angle between the rays.
+            const VF part = hn::Mul(hn::Set(f, angle_), inverse);
+            const VF bulge = hn::GatherIndex(f, passes_.bulge.data(), sample);
+            hn::StoreU(hn::Mul(hn::Mul(bulge, hn::Mul(part, part)),
+                               hn::Add(hn::Mul(x, x), hn::Mul(y, y))),
+                       f, &traits.bulge[i]);
+        }
+    }
+
     void ask_passes(size_t k) {
         const size_t l = s_.open[k], first = s_.first_stop[k], last = s_.first_stop[k + 1];
         const Seen r = receiver(l);
-        out_.votes[l] += std::uint32_t(find_nearer(s_.passes.projection, l, r));
-        if (first == last || n_ == 0) return;
+        const bool planes = !passes_.plane_x.empty(), lens = !passes_.uv.empty();
+        const auto& traits = s_.traits;
         auto& passing = s_.passing;
-        passing.grow(n_ + 2 * lanes);
-        if (s_.sample.size() < n_ + 2 * lanes) s_.sample.resize(2 * (n_ + 2 * lanes));
-        const VF one = hn::Set(f, 1.0f);
         size_t count = 0;
-        for (size_t i = 0; i < n_; i += lanes) {
-            const Nearer b = nearer(passes_, i, r);
-            const VF end = hn::GatherIndex(f, passes_.end.data(), hn::BitCast(sn, b.sample));
-            const Pack pack(b.before.which);
-            pack.store(b.dx, &passing.x[count]);
-            pack.store(b.dy, &passing.y[count]);
-            pack.store(b.inverse, &passing.inverse[count]);
-            pack.store(hn::Div(one, end), &passing.end[count]);
-            pack.store(b.sample, &s_.sample[count]);
-            count += pack.count;
-        }
+        out_.votes[l] += std::uint32_t(each_nearer(
+            s_.passes.projection, l, r,
+            [&](size_t i, const EntryVectors&, VF dx, VF dy, VF inverse, auto nearer) HWY_ATTR {
+                if (first == last) return;
+                dx = in_order(dx), dy = in_order(dy);
+                // (What is not nearer is at no depth, before nothing.)
+                inverse = in_order(hn::IfThenElseZero(nearer, inverse));
+                VF beside = inverse;
+                if (planes)
+                    beside = PlaneVectors::beside(dx, dy, inverse, hn::LoadU(f, &traits.rise_x[i]),
+                                                  hn::LoadU(f, &traits.rise_y[i]));
+                const auto before = planes_.before(r, dx, dy, inverse, beside);
+                const Pack pack(hn::And(before.which, hn::Gt(inverse, hn::Zero(f))));
+                passing.grow(count + 2 * lanes);
+                pack.store(dx, &passing.x[count]);
+                pack.store(dy, &passing.y[count]);
+                pack.store(inverse, &passing.inverse[count]);
+                const auto keep = [&](const std::vector<float>& from, std::vector<float>& to)
+                                      HWY_ATTR { pack.store(hn::LoadU(f, &from[i]), &to[count]); };
+                keep(traits.end, passing.end);
+                if (lens) {
+                    keep(traits.way_x, passing.way_x), keep(traits.way_y, passing.way_y);
+                    keep(traits.bulge, passing.bulge);
+                }
+                count += pack.count;
+            }));
         if (count == 0) return;
-        find_ways(count);
         // Of the stops the nearest first: most often it decides.
         const auto& stops = s_.stops;
         size_t nearest = first;
@@ -231,31 +278,6 @@ class Voting {
         for (size_t i = first; i < last; ++i)
             if (i != nearest && !free_of(i, count)) return;
         out_.share[l] = 1;
-    }
-
-    // How far passes move a unit of 1/w, as the light is looked at from here and not from where
-    // their rays started; and how far what bends may come out beside them.
-    void find_ways(size_t count) {
-        if (passes_.uv.empty()) return;
-        auto& passing = s_.passing;
-        const auto* order = reinterpret_cast<const std::int32_t*>(passes_.order.data());
-        for (size_t i = 0; i < count; i += lanes) {
-            const VU sample =
-                hn::IfThenElseZero(hn::FirstN(un, count - i), hn::LoadU(un, &s_.sample[i]));
-            const VI from = hn::ShiftLeft<1>(hn::GatherIndex(sn, order, hn::BitCast(sn, sample)));
-            const VF lx = hn::GatherIndex(f, passes_.uv.view().data(), from),
-                     ly = hn::GatherIndex(f, passes_.uv.view().data() + 1, from);
-            const VF x = hn::Mul(hn::Set(f, lens_x_), hn::Sub(hn::Set(f, lx_), lx)),
-                     y = hn::Mul(hn::Set(f, lens_y_), hn::Sub(hn::Set(f, ly_), ly));
-            hn::StoreU(x, f, &passing.way_x[i]);
-            hn::StoreU(y, f, &passing.way_y[i]);
-            // Squared, the angle between the rays.
-            const VF part = hn::Mul(hn::Set(f, angle_), hn::LoadU(f, &passing.inverse[i]));
-            const VF bulge = hn::GatherIndex(f, passes_.bulge.data(), hn::BitCast(sn, sample));
-            hn::StoreU(hn::Mul(hn::Mul(bulge, hn::Mul(part, part)),
-                               hn::Add(hn::Mul(x, x), hn::Mul(y, y))),
-                       f, &passing.bulge[i]);
-        }
     }
 
     // Whether one of the passes is free of the surface of a stop, and nearer than it.
@@ -295,7 +317,7 @@ class Voting {
     float lx_ = 0, ly_ = 0, lens_x_ = 0, lens_y_ = 0, level_ = 0, angle_ = 0;
     float reach_ = 0, cell_ = 0;  // px
     size_t pitch_ = 0;            // of the grid
-    size_t n_ = 0, stops_ = 0;    // places in `nearer` and `stops`
+    size_t stops_ = 0;            // places in `stops`
 };
 
 }  // namespace

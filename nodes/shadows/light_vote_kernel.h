@@ -44,7 +44,15 @@ struct LightVoteScratch {
             for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y, &bulge}) values->resize(2 * n);
         }
     } passing;
-    std::vector<std::uint32_t> sample;  // of `passing`
+    // Of entries of the grid of passes.
+    struct Traits {
+        std::vector<float> rise_x, rise_y, end, way_x, way_y, bulge;
+        void grow(size_t n) {
+            if (end.size() >= n) return;
+            for (auto* values : {&rise_x, &rise_y, &end, &way_x, &way_y, &bulge})
+                values->resize(2 * n);
+        }
+    } traits;
     // Receivers that passes may say something of, and where each one's `stops` begin.
     std::vector<std::uint32_t> open, first_stop;
 };

@@ -37,33 +37,41 @@ class PlaneVectors {
         VF beside;
     };
     HWY_INLINE Before before(const Seen& receiver, const Samples& s, bool planes) const {
+        if (!planes) return before(receiver, s.dx, s.dy, s.inverse, s.inverse);
+        const Rise rise = own(s.inverse, s.plane_x, s.plane_y);
+        return before(receiver, s.dx, s.dy, s.inverse,
+                      beside(s.dx, s.dy, s.inverse, rise.x, rise.y));
+    }
+
+    // Planes::own: slopes of 1/w as the light's point sees them.
+    struct Rise {
+        VF x, y;
+    };
+    HWY_INLINE Rise own(VF inverse, VF plane_x, VF plane_y) const {
         const VF one = hn::Set(f, 1.0f);
-        Before out;
-        out.beside = s.inverse;
-        if (planes) {
-            // Planes::own.
-            const VF turn = hn::Add(
-                hn::Add(one, hn::Mul(hn::Mul(hn::Set(f, c0x_), s.plane_x), hn::Set(f, lx_))),
-                hn::Mul(hn::Mul(hn::Set(f, c0y_), s.plane_y), hn::Set(f, ly_)));
-            const VF divisor = hn::Max(turn, hn::Set(f, 1e-6f));
-            const VF steep =
-                hn::Div(hn::Sqrt(hn::Add(hn::Mul(s.plane_x, s.plane_x),
-                                         hn::Mul(s.plane_y, s.plane_y))),
-                        divisor);
-            const VF most = hn::Mul(hn::Set(f, steepest_), s.inverse);
-            const VF scale =
-                hn::Div(hn::IfThenElse(hn::Gt(steep, most), hn::Div(most, steep), one), divisor);
-            out.beside = hn::Sub(s.inverse, hn::Add(hn::Mul(hn::Mul(s.plane_x, scale), s.dx),
-                                                    hn::Mul(hn::Mul(s.plane_y, scale), s.dy)));
-        }
+        const VF turn =
+            hn::Add(hn::Add(one, hn::Mul(hn::Mul(hn::Set(f, c0x_), plane_x), hn::Set(f, lx_))),
+                    hn::Mul(hn::Mul(hn::Set(f, c0y_), plane_y), hn::Set(f, ly_)));
+        const VF divisor = hn::Max(turn, hn::Set(f, 1e-6f));
+        const VF steep = hn::Div(
+            hn::Sqrt(hn::Add(hn::Mul(plane_x, plane_x), hn::Mul(plane_y, plane_y))), divisor);
+        const VF most = hn::Mul(hn::Set(f, steepest_), inverse);
+        const VF scale =
+            hn::Div(hn::IfThenElse(hn::Gt(steep, most), hn::Div(most, steep), one), divisor);
+        return {hn::Mul(plane_x, scale), hn::Mul(plane_y, scale)};
+    }
+    HWY_INLINE static VF beside(VF dx, VF dy, VF inverse, VF rise_x, VF rise_y) {
+        return hn::Sub(inverse, hn::Add(hn::Mul(rise_x, dx), hn::Mul(rise_y, dy)));
+    }
+    // Given 1/w of their planes at the receiver.
+    HWY_INLINE Before before(const Seen& receiver, VF dx, VF dy, VF inverse, VF beside) const {
         const VF own = hn::Set(f, receiver.inverse),
-                 bend = hn::Mul(hn::Set(f, px_), hn::Sqrt(hn::Add(hn::Mul(s.dx, s.dx),
-                                                                  hn::Mul(s.dy, s.dy)))),
+                 bend = hn::Mul(hn::Set(f, px_),
+                                hn::Sqrt(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)))),
                  limit = hn::Add(own, hn::Mul(hn::Add(hn::Set(f, bias_), bend), own));
-        const VF here = hn::Add(limit, hn::Add(hn::Mul(hn::Set(f, receiver.slope.x), s.dx),
-                                               hn::Mul(hn::Set(f, receiver.slope.y), s.dy)));
-        out.which = hn::And(hn::Lt(here, s.inverse), hn::Lt(limit, out.beside));
-        return out;
+        const VF here = hn::Add(limit, hn::Add(hn::Mul(hn::Set(f, receiver.slope.x), dx),
+                                               hn::Mul(hn::Set(f, receiver.slope.y), dy)));
+        return {hn::And(hn::Lt(here, inverse), hn::Lt(limit, beside)), beside};
     }
     // 1/w that a sample has to exceed, to be before a receiver within a radius of it.
     float least(const Seen& receiver, float radius) const {
