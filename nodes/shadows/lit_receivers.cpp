@@ -57,7 +57,7 @@ using namespace shadows;
 
 struct LitReceivers {
     DepthTest test = DepthTest::both_planes;
-    float bias = 1e-5f, search = 1;
+    float bias = 1e-5f, search = 1, wide = 2;
 
     static void declare(Ports<LitReceivers>& node) {
         node.about(
@@ -67,13 +67,20 @@ struct LitReceivers {
             .in<Hierarchy>("hierarchy", "of the camera's samples")
             .in<Samples>("samples", "the same, with light_density as in the search to come")
             .in<LightView>("light-view", "of the same samples")
-            .out<Samples>("samples", "the same and all_lit: 1 of those, 0 of all others")
+            .out<Samples>("samples", "the same and all_lit: of those, how far around nothing comes, in R, `search` "
+                          "or `wide`; 0 of all others")
             .choice("test", &LitReceivers::test, {"both-planes", "inverse-depth", "linear"},
                     {.about = "of the vote; all others than both-planes: none is found"})
             .param("bias", &LitReceivers::bias,
                    {.min = 0, .max = 1e6, .about = "of the vote; relative"})
             .param("search", &LitReceivers::search,
-                   {.unit = "R", .min = 0.05, .max = 32, .about = "how far light samples are looked for"});
+                   {.unit = "R", .min = 0.05, .max = 32, .about = "how far light samples are looked for"})
+            .param("wide", &LitReceivers::wide,
+                   {.unit = "R",
+                    .min = 0.05,
+                    .max = 32,
+                    .about = "if nothing comes within so much more, that is told, too: passing-rays "
+                             "looks farther"});
     }
     Cost cost(const Shapes& in) const {
         const double n = double(in["samples"].records);
@@ -106,6 +113,8 @@ struct LitReceivers {
         set.bias = std::max(0.0f, bias - 2e-6f);
         // Farther searches may be for ellipses.
         set.sure = search <= 1 ? 0.99f : 0.1f;
+        const float farthest = std::max(search, wide);
+        set.search = search / farthest;
         constexpr size_t group = Hierarchy::group_size;
         ctx.parallel((camera.size() + group - 1) / group, 256, [&](size_t begin, size_t end) {
             LitScratch scratch;
@@ -117,11 +126,12 @@ struct LitReceivers {
                 for (size_t s = g * group; s < std::min((g + 1) * group, camera.size()); ++s) {
                     const Receiver r = receivers.of(std::uint32_t(s));
                     sample[n] = r.sample;
-                    n += as_still(r, view, set, hits.radius, still[n]);
+                    n += as_still(r, view, set, farthest * hits.radius, still[n]);
                 }
                 WEFT_PICK(find_lit)
                 (hits, bounds, set, std::span(still).first(n), scratch, found.data());
-                for (size_t i = 0; i < n; ++i) lit[sample[i]] = float(found[i]);
+                for (size_t i = 0; i < n; ++i)
+                    lit[sample[i]] = found[i] == 0 ? 0 : found[i] == 1 ? search : farthest;
             }
         });
     }
@@ -154,8 +164,8 @@ struct LitReceivers {
         out.slope_x = r.normal[0] * rise, out.slope_y = r.normal[1] * rise;
         out.turn = 1 - std::abs(set.c0x * out.slope_x) - std::abs(set.c0y * out.slope_y);
         if (!(out.turn > 0.15f)) return false;
-        // A little more than the search, for rounding.
-        out.radius = search * radius * r.ratio * 1.0001f + 1e-3f;
+        // A little more, for rounding.
+        out.radius = radius * r.ratio * 1.0001f + 1e-3f;
         out.behind = (std::abs(out.slope_x) + std::abs(out.slope_y)) * out.radius / out.turn;
         return true;
     }

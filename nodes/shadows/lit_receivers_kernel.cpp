@@ -85,7 +85,8 @@ void collect(const LightBoundsLevels& bounds, const NearTest& test, LightBounds&
 
 struct Glance {
     bool stopped = false;  // something may stop light
-    bool near = false;     // something is within the radius from everywhere, always
+    bool passed = false;   // something comes within the radius
+    bool near = false;     // something is near from everywhere, always
 };
 
 class Looking {
@@ -142,7 +143,7 @@ class Looking {
         if (set_.round)
             away = hn::Max(away, hn::Sub(length(outside(left, right, zero), outside(top, bottom, zero)),
                                          hn::Max(across, down)));
-        const VF radius = hn::Set(f, r.radius);
+        const VF radius = hn::Set(f, r.radius), search = hn::Set(f, set_.search);
         // How much nearer than its plane.
         const VF slope_x = hn::Set(f, r.slope_x), slope_y = hn::Set(f, r.slope_y);
         const VF plane = hn::Add(hn::Min(hn::Mul(slope_x, left), hn::Mul(slope_x, right)),
@@ -150,13 +151,19 @@ class Looking {
         const VF need = hn::Mul(hn::Set(f, r.turn * r.far),
                                 hn::MulAdd(hn::Set(f, set_.px), away, hn::Set(f, set_.bias)));
         const auto nearer = hn::Gt(hn::Sub(before, plane), need);
-        const auto stops = hn::And(
-            there, hn::Or(hn::Not(always), hn::And(hn::Lt(away, radius), nearer)));
-        out.stopped |= !hn::AllFalse(f, stops);
+        const auto stands = hn::And(hn::And(there, nearer), hn::Lt(away, radius));
+        const auto anywhere = hn::AndNot(always, there);
+        if (hn::AllFalse(f, hn::Or(stands, anywhere))) {
+            if (out.near) return;
+        } else {
+            out.passed = true;
+            out.stopped |= !hn::AllFalse(
+                f, hn::Or(anywhere, hn::And(stands, hn::Lt(away, hn::Mul(radius, search)))));
+        }
         const auto farthest_away = [](VF low, VF high, VF by)
                                        HWY_ATTR { return hn::Add(hn::Max(hn::Neg(low), high), by); };
         const VF most = length(farthest_away(left, right, across), farthest_away(top, bottom, down));
-        const auto within = hn::Lt(most, hn::Mul(radius, hn::Set(f, set_.sure)));
+        const auto within = hn::Lt(most, hn::Mul(radius, hn::Set(f, set_.search * set_.sure)));
         out.near |= !hn::AllFalse(f, hn::And(always, within));
     }
 
@@ -180,7 +187,7 @@ void find_lit(const Hierarchy& hits, const LightBoundsLevels& bounds, const LitS
                      bits_of(f, hn::And(test(near, i), hn::FirstN(f, near.size - i)));
                  bits && !glance.stopped; bits &= bits - 1)
                 looking.look(receivers[k], near.group[i + size_t(__builtin_ctz(bits))], glance);
-        lit[k] = glance.near && !glance.stopped;
+        lit[k] = !glance.near || glance.stopped ? 0 : glance.passed ? 1 : 2;
     }
 }
 

@@ -36,7 +36,7 @@ struct StillReceiver {
     float x_low, x_high, y_low, y_high;  // px; what stands still moves by rounding
     float far, near;                     // 1/w
     float slope_x, slope_y;              // of 1/w a px, of its plane
-    float radius;                        // px: how far it looks for light samples
+    float radius;                        // px: how far is looked for light samples
     float turn;    // the least by which slopes are divided at points of the light (planes.h)
     float behind;  // how much less 1/w than the receiver's is may be before its plane within reach
 };
@@ -46,7 +46,8 @@ struct LitSettings {
     bool round = false;      // that is: a disc, else a rectangle
     float px = 0;            // 1/w a unit of 1/w, by which what bends may rise a px
     float bias = 0;          // relative: what is nearer by less does not count
-    float sure = 1;          // of the radius, within which a light sample is near by any metric
+    float search = 1;  // of the radius: how far the vote looks, and others less far than the radius
+    float sure = 1;    // of that, within which a light sample is near by any metric
 };
 
 struct LitScratch {
@@ -55,7 +56,8 @@ struct LitScratch {
 
 #define WEFT_LIT_RECEIVERS_KERNELS(isa)                                                          \
     namespace isa {                                                                              \
-    /* 1 where all of the light is seen, for sure. Receivers of a call should be neighbours. */  \
+    /* 0, or 1 where nothing comes within `search`, or 2 where nothing comes within the radius. */ \
+    /* Receivers of a call should be neighbours. */                                              \
     void find_lit(const Hierarchy& hits, const LightBoundsLevels& bounds, const LitSettings& set, \
                   std::span<const StillReceiver> receivers, LitScratch& scratch,                 \
                   std::uint8_t* lit);                                                            \

@@ -18,7 +18,8 @@ struct PassRays {
                 "ray-vote-coverage knows the rims of surfaces by")
             .in<Hierarchy>("hits", "of what the light sees along one ray each")
             .in<LightView>("light-view", "of the same")
-            .in<Samples>("samples", "the camera's, whose light_density scales the search",
+            .in<Samples>("samples", "the camera's: light_density scales the search, and what all_lit says is "
+                         "clear is not looked at",
                          Need::optional)
             .out<Samples>("passes",
                           "a light sample where a ray passes a surface: at its depth, with its "
@@ -36,21 +37,22 @@ struct PassRays {
     }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Hierarchy& hits = in.get<Hierarchy>("hits");
-        std::span<const float> density;
+        std::span<const float> density, clear;
         if (const Samples* samples = in.find<Samples>("samples"))
-            density = samples->values("light_density");
+            density = samples->values("light_density"), clear = samples->values("all_lit");
         const auto source = hits.source.view();
-        if (!density.empty() && source.size() != hits.size())
+        const size_t known = std::max(density.size(), clear.size());
+        if (known > 0 && source.size() != hits.size())
             throw Error(
                 "'hits' do not say which camera samples they are for; link a hierarchy of light "
                 "samples");
-        if (!density.empty() && !source.empty() &&
-            *std::max_element(source.begin(), source.end()) >= density.size())
+        if (known > 0 && !source.empty() &&
+            *std::max_element(source.begin(), source.end()) >= known)
             throw Error(
                 "'samples' are not those that 'hits' are for: link the ones that the light "
                 "samples were made of");
         out.set("passes",
-                shadows::passes(hits, density, in.get<LightView>("light-view"), {radius_scale}, ctx));
+                shadows::passes(hits, density, clear, in.get<LightView>("light-view"), {radius_scale}, ctx));
     }
 };
 

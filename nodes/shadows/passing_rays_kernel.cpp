@@ -234,10 +234,15 @@ Samples as_samples(const std::vector<std::vector<Pass>>& found, const Hierarchy&
 
 }  // namespace
 
-Samples passes(const Hierarchy& hits, std::span<const float> density, const LightView& view,
-               const PassingRays& set, Context& ctx) {
-    const size_t n = hits.size();
-    const LargeArray<std::uint32_t> order = Rays(hits).in_blocks(ctx);
+Samples passes(const Hierarchy& hits, std::span<const float> density,
+               std::span<const float> clear, const LightView& view, const PassingRays& set,
+               Context& ctx) {
+    LargeArray<std::uint32_t> order = Rays(hits).in_blocks(ctx);
+    if (!clear.empty())
+        std::erase_if(order, [&](std::uint32_t s) {
+            return clear[hits.source[hits.order[s]]] >= set.radius_scale;
+        });
+    const size_t n = order.size();
     const Finder finder(hits, density, view, set);
     constexpr size_t part = batch_size * batches_at_once;
     std::vector<std::vector<Pass>> found((n + part - 1) / part);

@@ -25,7 +25,10 @@ struct PassingRays {
 // as it is seen from points of the light that are an angle of 1 away: half the surface's radius.
 //   hits      of the light samples
 //   density   light pixels a camera pixel of each camera sample; empty: 1
-Samples passes(const Hierarchy& hits, std::span<const float> density, const LightView& view,
-               const PassingRays& settings, Context& ctx);
+//   clear     R around each camera sample in which nothing stands before it: its ray passes nothing
+//             there (lit_receivers.cpp); empty: not known
+Samples passes(const Hierarchy& hits, std::span<const float> density,
+               std::span<const float> clear, const LightView& view, const PassingRays& settings,
+               Context& ctx);
 
 }  // namespace weft::shadows

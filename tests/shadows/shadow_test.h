@@ -89,7 +89,7 @@ class ShadowTest {
         hierarchy_ = light_field::build_hierarchy(samples_, light_field::Arrangement::layers,
                                                   radius_scale, ctx);
         if (!set_.rays) return;
-        passes_ = light_field::build_hierarchy(shadows::passes(hierarchy_, {}, view_, {}, ctx),
+        passes_ = light_field::build_hierarchy(shadows::passes(hierarchy_, {}, {}, view_, {}, ctx),
                                                light_field::Arrangement::layers, radius_scale, ctx);
     }
 
