@@ -57,8 +57,8 @@ inline FilmMetric film_metric(const float* jj, float most) {
     return {float(middle + way * half), float(way * xy), float(middle - way * half)};
 }
 
-// What a sample of the camera shows, in light space.
-struct Receiver {
+// What a sample of the camera shows, in light space. (In one line of the cache.)
+struct alignas(64) Receiver {
     std::array<float, 3> open,
         way;  // where it is at the shutter's opening; how it moves till its close
     std::array<float, 3> normal;  // of length 1 or, not known, 0
@@ -66,7 +66,6 @@ struct Receiver {
     FilmMetric metric;
     std::uint32_t sample =
         SeenSamples::none;  // of the camera's buffer; none: of the hierarchy, nothing to light
-    bool lit = false;  // it sees all of the light, and need not ask; all else is not known
 };
 
 class Receivers {
@@ -101,10 +100,6 @@ class Receivers {
         Receiver r;
         if (h_.W[s] >= 0x1p+39f) return r;  // the background
         r.sample = h_.order[s];
-        if (!lit_.empty() && lit_[r.sample] > 0) {
-            r.lit = true;
-            return r;
-        }
         const Point3 middle{double(h_.X[s]), double(h_.Y[s]), double(h_.W[s])};
         Point3 half;
         if (h_.moving) {
@@ -142,9 +137,13 @@ class Receivers {
         for (size_t l = 0; l < n; ++l) {
             batch.w[l] = 0;
             if (seen[l] == SeenSamples::none) continue;
+            if (const std::uint32_t i = h_.order[seen[l]]; !lit_.empty() && lit_[i] > 0) {
+                ask.sample[l] = i;
+                continue;
+            }
             const Receiver& r = receiver(seen[l]);
             ask.sample[l] = r.sample;
-            if (r.sample == SeenSamples::none || r.lit) continue;
+            if (r.sample == SeenSamples::none) continue;
             const float t = from.t_of(l);
             batch.x[l] = r.open[0] + t * r.way[0];
             batch.y[l] = r.open[1] + t * r.way[1];
