@@ -29,8 +29,14 @@ TreeSettings tree_settings(const SamplerFunction& sampler, const AdaptiveSetting
     for (size_t d = 2; d < sampler.dimensions(); ++d)
         made.extent.push_back(settings.scale > 0          ? float(settings.scale)
                               : sampler.axes[d].scale > 0 ? sampler.axes[d].scale
-                                                          : usual_extent);
+                                                          : 0);
+    if (!(settings.scale > 0)) shorten_axes(made.extent, settings.budget);
     return made;
+}
+
+double initial_of(const AdaptiveSettings& settings) {
+    if (settings.initial > 0) return settings.initial;
+    return settings.alpha > 0 ? 1 : 0.5 * settings.budget;
 }
 
 }  // namespace
@@ -39,7 +45,7 @@ AdaptiveRun::AdaptiveRun(const SamplerFunction& sampler, const AdaptiveSettings&
     : sampler_(sampler),
       settings_(tree_settings(sampler, settings)),
       budget_(size_t(std::llround(settings.budget * double(sampler.pixels())))),
-      tree_(settings_, size_t(settings.initial * double(sampler.pixels())), budget_) {
+      tree_(settings_, size_t(initial_of(settings) * double(sampler.pixels())), budget_) {
     const size_t first = tree_.leaves() * settings_.capacity;
     if (first > budget_)
         throw Error(fmt::format(

@@ -9,7 +9,8 @@
 namespace weft::adaptive {
 
 struct AdaptiveSettings {
-    double budget = 8, initial = 1, round = 1.0 / 16;
+    double budget = 8, round = 1.0 / 16;
+    double initial = 0;  // 0: half the budget; by chance: one a pixel
     int capacity = 4, candidates = 4;
     Reach reach = Reach::leaf;
     Contrast contrast = Contrast::relative;
@@ -53,10 +54,10 @@ struct AdaptiveSettings {
     static void declare_rounds(Ports<Node>& node) {
         node.param("initial", static_cast<double Node::*>(&AdaptiveSettings::initial),
                    {.unit = "samples a pixel",
-                    .min = 0.01,
+                    .min = 0,
                     .max = 65536,
                     .about = "of the budget, spread evenly first; what is missed then is not "
-                             "looked for"})
+                             "looked for; 0: half of it"})
             .param("round", static_cast<double Node::*>(&AdaptiveSettings::round),
                    {.min = 0, .max = 1, .about = "part of the boxes that get a sample at a time"});
     }

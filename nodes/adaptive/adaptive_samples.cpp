@@ -35,7 +35,7 @@ struct AdaptiveSamples : AdaptiveSettings {
     }
 };
 
-WEFT_NODE(AdaptiveSamples, "adaptive-samples", 3)
+WEFT_NODE(AdaptiveSamples, "adaptive-samples", 4)
 
 }  // namespace
 }  // namespace weft

@@ -80,9 +80,9 @@ struct AdaptiveEnd {
     }
 };
 
-WEFT_NODE(AdaptiveBegin, "adaptive-begin", 3)
-WEFT_NODE(AdaptiveStep, "adaptive-step", 3)
-WEFT_NODE(AdaptiveEnd, "adaptive-end", 3)
+WEFT_NODE(AdaptiveBegin, "adaptive-begin", 4)
+WEFT_NODE(AdaptiveStep, "adaptive-step", 4)
+WEFT_NODE(AdaptiveEnd, "adaptive-end", 4)
 
 }  // namespace
 }  // namespace weft

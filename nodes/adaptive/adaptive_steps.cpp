@@ -102,7 +102,7 @@ AdaptiveSetup setup_of(const Samples& state) {
                             1024.0))});
     AdaptiveSettings& s = made.settings;
     s.budget = of.number("budget", 0.01, 65536);
-    s.initial = of.number("initial", 0.01, 65536);
+    s.initial = of.number("initial", 0, 65536);
     s.round = of.number("round", 0, 1);
     s.capacity = int(of.number("capacity", 2, 64));
     s.candidates = int(of.number("candidates", 1, 64));

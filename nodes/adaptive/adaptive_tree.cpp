@@ -209,9 +209,27 @@ size_t Tree::request(size_t most) {
         return p;
     };
     if (samples() == 0) {
-        for (std::uint32_t l = 0; l < leaves_.size(); ++l)
-            for (size_t k = 0; k < settings_.capacity; ++k)
-                place(l, candidate(leaves_[l], {settings_.seed, leaves_[l].key, k}, 0));
+        // Along each axis one in each of as many parts, in an order of its own (a Latin hypercube).
+        const size_t n = settings_.capacity;
+        std::vector<std::array<size_t, most_axes>> part(n);
+        for (std::uint32_t l = 0; l < leaves_.size(); ++l) {
+            const Leaf& leaf = leaves_[l];
+            for (size_t d = 0; d < dimensions(); ++d) {
+                for (size_t k = 0; k < n; ++k) {
+                    const Numbers numbers(settings_.seed, leaf.key, k);
+                    const auto j = std::min(k, size_t(numbers(1, d) * float(k + 1)));
+                    part[k][d] = part[j][d], part[j][d] = k;
+                }
+            }
+            for (size_t k = 0; k < n; ++k) {
+                const Numbers numbers(settings_.seed, leaf.key, k);
+                std::array<float, most_axes> p{};
+                for (size_t d = 0; d < dimensions(); ++d)
+                    p[d] = leaf.lo[d] + (leaf.hi[d] - leaf.lo[d]) *
+                                            ((float(part[k][d]) + numbers(0, d)) / float(n));
+                place(l, p);
+            }
+        }
         return chosen_.size();
     }
     const std::vector<std::uint32_t> order = chosen_leaves(most);

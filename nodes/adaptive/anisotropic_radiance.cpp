@@ -32,16 +32,20 @@ void AnisotropicRadiance::mix(const float* place, size_t i, Scratch& scratch, fl
     }
     const float far = size > 3 ? distance[3] : 2 * distance[size - 1];
     float sum[3] = {}, first[3] = {}, weights = 0;
+    float least[3], most[3];
     for (size_t k = 0; k < std::min(size_t(3), size); ++k) {
         const float weight = far > 0 ? 1 - distance[k] / far : 1;
         float value[3];
         radiance(scratch.counting.place[nearest.sample[k][i]], place, value);
         for (size_t c = 0; c < 3; ++c) {
-            if (k == 0) first[c] = value[c];
+            if (k == 0) first[c] = least[c] = most[c] = value[c];
+            least[c] = std::min(least[c], value[c]), most[c] = std::max(most[c], value[c]);
             sum[c] += weight * (value[c] - first[c]);
         }
         weights += weight;
     }
+    for (size_t c = 0; c < 3; ++c)
+        if (outshine(least[c], most[c])) weights = 0;  // the nearest decides
     for (size_t c = 0; c < 3; ++c) to[c] = weights > 0 ? first[c] + sum[c] / weights : first[c];
 }
 

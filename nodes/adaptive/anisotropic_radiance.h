@@ -10,7 +10,7 @@ namespace weft::adaptive {
 
 // nearest: the sample of least distance alone.  tent: the three of least distance, by how much
 // nearer they are than the next.  linear: the same, each going on by its gradient as far as its
-// neighbours' radiance goes.
+// neighbours' radiance goes. Where one of the three outshines another, the nearest alone.
 enum class Blend { nearest, tent, linear };
 
 class AnisotropicRadiance {

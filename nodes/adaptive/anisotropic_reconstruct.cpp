@@ -115,7 +115,7 @@ struct AnisotropicReconstruct {
     }
 };
 
-WEFT_NODE(AnisotropicReconstruct, "anisotropic-reconstruct", 3)
+WEFT_NODE(AnisotropicReconstruct, "anisotropic-reconstruct", 4)
 
 }  // namespace
 }  // namespace weft

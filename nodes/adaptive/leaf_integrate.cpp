@@ -226,7 +226,7 @@ struct LeafIntegrate {
     };
 };
 
-WEFT_NODE(LeafIntegrate, "leaf-integrate", 5)
+WEFT_NODE(LeafIntegrate, "leaf-integrate", 6)
 
 }  // namespace
 }  // namespace weft

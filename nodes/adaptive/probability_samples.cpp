@@ -37,7 +37,7 @@ struct ProbabilitySamples : AdaptiveSettings {
     }
 };
 
-WEFT_NODE(ProbabilitySamples, "probability-samples", 3)
+WEFT_NODE(ProbabilitySamples, "probability-samples", 4)
 
 }  // namespace
 }  // namespace weft

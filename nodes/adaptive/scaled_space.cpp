@@ -48,6 +48,22 @@ float median_defocus(const Samples& samples) {
     return median(std::move(widths));
 }
 
+void shorten_axes(std::vector<float>& extent, double samples_a_pixel) {
+    constexpr double wanted = 1.2;  // px, the side of the box that a sample stands for
+    constexpr float least = 4;      // px
+    const double axes = double(extent.size());
+    double unknown = 0, volume = 1 / samples_a_pixel;
+    for (size_t d = 2; d < extent.size(); ++d) {
+        unknown += extent[d] > 0 ? 0 : 1;
+        volume *= extent[d] > 0 ? double(extent[d]) : double(usual_extent);
+    }
+    if (unknown == 0) return;
+    const double by = std::pow(std::pow(wanted, axes) / volume, 1 / unknown);
+    for (size_t d = 2; d < extent.size(); ++d)
+        if (!(extent[d] > 0))
+            extent[d] = std::clamp(float(by * double(usual_extent)), least, usual_extent);
+}
+
 ScaledSpace space_of(const LeafTree& leaves) {
     return {leaves.axes, leaves.extent};
 }
@@ -56,13 +72,14 @@ ScaledSpace space_of(const Samples& samples) {
     ScaledSpace space{{"x", "y"}, {float(samples.width), float(samples.height)}};
     const auto add = [&](std::string axis, float extent) {
         space.axes.push_back(std::move(axis));
-        space.extent.push_back(extent > 0 ? std::max(extent, 1.0f) : usual_extent);
+        space.extent.push_back(extent > 0 ? std::max(extent, 1.0f) : 0);
     };
     if (!samples.uv().empty())
         for (const char* axis : {"u", "v"}) add(axis, median_defocus(samples));
     if (!samples.t().empty()) add("t", median_motion(samples));
     if (!samples.values("light_uv").empty())
         for (const char* axis : {"light-u", "light-v"}) add(axis, 0);
+    shorten_axes(space.extent, std::max(samples.mean_spp(), 1e-3));
     return space;
 }
 

@@ -11,7 +11,13 @@
 
 namespace weft::adaptive {
 
-inline constexpr float usual_extent = 16;  // px, of an axis of which nothing is known
+inline constexpr float usual_extent = 16;  // px, at most, of an axis of which nothing is known
+
+// Gives axes behind x and y of which nothing is known (0 px) a length: so short that the box of
+// equal sides that a sample stands for is hardly wider than a pixel, if so many samples a pixel
+// allow it. Over more axes, or longer ones, what is nearest to a place would lie beside it on the
+// film.
+void shorten_axes(std::vector<float>& extent, double samples_a_pixel);
 
 struct ScaledSpace {
     std::vector<std::string> axes;  // x, y first

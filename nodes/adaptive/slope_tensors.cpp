@@ -87,7 +87,7 @@ struct SlopeTensors {
     }
 };
 
-WEFT_NODE(SlopeTensors, "slope-tensors", 2)
+WEFT_NODE(SlopeTensors, "slope-tensors", 3)
 
 }  // namespace
 }  // namespace weft

@@ -69,7 +69,7 @@ struct StructureTensors {
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 6)
+WEFT_NODE(StructureTensors, "structure-tensors", 7)
 
 }  // namespace
 }  // namespace weft

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "adaptive/neighbourhood_kernel.h"
 #include "adaptive/with_axes.h"
@@ -11,7 +12,8 @@ namespace {
 
 constexpr size_t buckets_in_piece = 64;
 constexpr float rounding = 1e-10f;  // squares of differences, against brightness, that say nothing
-constexpr size_t pool_of = 2;       // times as many as are averaged are looked at
+constexpr double worth = 2;    // times better a long distance has to predict what outshines others
+constexpr size_t pool_of = 2;  // times as many as are averaged are looked at
 
 // The buckets of the tree, and all that its samples are looked at with.
 class Surroundings {
@@ -39,13 +41,16 @@ class Surroundings {
     // work(i, scratch) for each sample i, whose nearest ones by plain distance, as many as are ever
     // looked at, are scratch.of_sample. The first time finds out how far that is.
     template <class Work>
-    void around_each(Context& ctx, Work&& work) {
+    void around_each(Context& ctx, Work&& work, const std::vector<char>* only = nullptr) {
         const bool known = known_;
         ctx.parallel(buckets_.size(), buckets_in_piece, [&](size_t begin, size_t end) {
             Scratch scratch;
             float reach = 1;
             for (size_t b = begin; b < end; ++b) {
                 const auto [first, last] = buckets_[b];
+                if (only && std::none_of(&(*only)[first], &(*only)[first] + (last - first),
+                                         [](char chosen) { return chosen != 0; }))
+                    continue;
                 if (!known) {
                     reach = measure(b, 0.9f * reach, scratch);
                 } else {
@@ -57,6 +62,7 @@ class Surroundings {
                 std::array<const float*, most_axes> at{};
                 for (size_t d = 0; d < axes_; ++d) at[d] = scratch.of_bucket.at[d].data();
                 for (size_t i = first; i < last; ++i) {
+                    if (only && !(*only)[i]) continue;
                     const auto centre = place_of(i);
                     scratch.of_sample.size = 0;
                     WEFT_PICK(append_within)
@@ -143,6 +149,77 @@ class Surroundings {
             tensor[at] += float(-by_closest * more);
             tensor[at + 1] += float((by_fit - by_closest) * more);
         }
+    }
+
+    // Whether radiance among them goes so far apart that a little of the brightest outshines the
+    // darkest: what is mixed of them is no longer like any.
+    bool outshines(size_t i, const SamplesAround& around, const Neighbourhood& near) const {
+        bool any = false;
+        for (size_t c = 0; c < 3; ++c) {
+            float least = rgb_[c][i], most = least;
+            for (const std::uint32_t j : near.near) {
+                const float value = rgb_[c][around.place[j]];
+                least = std::min(least, value), most = std::max(most, value);
+            }
+            any = any || outshine(least, most);
+        }
+        return any;
+    }
+    // Distance by place on the film, above all: another sample is within half a pixel there. The
+    // diagonal of its matrix, for x and y and for each of the other axes.
+    std::array<double, 2> local_of(size_t i) const {
+        const double n = double(axes_);
+        if (axes_ == 2) return {1, 1};
+        const double ball = std::pow(std::numbers::pi, n / 2) / std::tgamma(n / 2 + 1);
+        const double spacing = std::sqrt(double(within2_[i])) *
+                               std::pow(ball / double(std::max<size_t>(1, reached())), 1 / n);
+        const double film = std::max(1.0, 4 * spacing * spacing);
+        return {film, std::pow(film, -2 / (n - 2))};
+    }
+    void local_metric(size_t i, float* upper) const {
+        const auto diagonal = local_of(i);
+        for (size_t a = 0; a < axes_; ++a)
+            for (size_t b = a; b < axes_; ++b)
+                *upper++ = a == b ? float(diagonal[a < 2 ? 0 : 1]) : 0.0f;
+    }
+    // How far a sample is from the one that is nearest by that one's metric, and from the nearest
+    // by place: relative, squared.
+    std::array<float, 2> predicted_off(size_t i, const SamplesAround& around,
+                                       const Variation& made) const {
+        const auto centre = place_of(i);
+        const auto local = local_of(i);
+        const size_t numbers = axes_ * (axes_ + 1) / 2;
+        std::array<float, 2> least{3e38f, 3e38f};
+        std::array<size_t, 2> nearest{i, i};
+        for (size_t j = 0; j < around.size; ++j) {
+            const size_t other = around.place[j];
+            if (other == i) continue;
+            std::array<float, most_axes> off{};
+            float off2 = 0, by_place = 0, by_metric = 0;
+            for (size_t d = 0; d < axes_; ++d) {
+                off[d] = centre[d] - around.at[d][j];
+                off2 += off[d] * off[d];
+                by_place += float(local[d < 2 ? 0 : 1]) * off[d] * off[d];
+            }
+            if (off2 > made.supports.squared[other]) continue;
+            const float* m = &made.upper[numbers * other];
+            for (size_t a = 0; a < axes_; ++a) {
+                by_metric += *m++ * off[a] * off[a];
+                for (size_t b = a + 1; b < axes_; ++b) by_metric += 2 * *m++ * off[a] * off[b];
+            }
+            if (by_metric < least[0]) least[0] = by_metric, nearest[0] = other;
+            if (by_place < least[1]) least[1] = by_place, nearest[1] = other;
+        }
+        const auto wrong = [&](size_t other) {
+            float sum = 0;
+            for (size_t c = 0; c < 3; ++c) {
+                const float here = rgb_[c][i], there = rgb_[c][other];
+                const float by = (there - here) / (std::max(std::min(here, there), 0.0f) + 0.1f);
+                sum += by * by;
+            }
+            return sum;
+        };
+        return {wrong(nearest[0]), wrong(nearest[1])};
     }
 
     size_t reached() const {
@@ -301,6 +378,7 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
     made.upper.resize(numbers * n);
     std::vector<float> own(averaged_stride(axes) * n), next(own.size());
     Surroundings samples(tree, rgb, settings);
+    std::vector<char> bright(n);  // samples that others outshine, or that outshine others
     const auto fit = [&](size_t i, const float* upper, Surroundings::Scratch& scratch,
                          std::vector<float>& tensors) {
         samples.find(i, upper, settings.neighbours + 1, scratch.of_sample, scratch.fitted);
@@ -340,10 +418,43 @@ Variation variation(const PointTree& tree, std::span<const float> rgb,
             metric_of(tensor, axes, std::max(settings.floor, rounder), upper);
             for (size_t c = 0; c < 3; ++c)
                 made.radiance[3 * i + c] = rgb[3 * i + c] + part * made.radiance[3 * i + c];
+            if (!samples.outshines(i, scratch.of_sample, scratch.averaged)) return;
+            metric_of(tensor, axes, std::max(settings.floor, first_floor), upper);
+            bright[i] = 1;
+            for (size_t c = 0; c < 3; ++c)
+                made.radiance[3 * i + c] = made.least[3 * i + c] = made.most[3 * i + c] =
+                    rgb[3 * i + c];
         });
         std::swap(own, next);
     }
     made.supports = samples.supports();
+    // Where some outshine others, what is carried too far is seen at once: there, distances by what
+    // varies are kept where they predict each sample from the others so much better than nearness
+    // on the film does (cross-validation).
+    if (std::find(bright.begin(), bright.end(), 1) == bright.end()) return made;
+    std::vector<std::array<float, 2>> off(n);
+    samples.around_each(
+        ctx,
+        [&](size_t i, Surroundings::Scratch& scratch) {
+            off[i] = samples.predicted_off(i, scratch.of_sample, made);
+        },
+        &bright);
+    samples.around_each(
+        ctx,
+        [&](size_t i, Surroundings::Scratch& scratch) {
+            float* upper = &made.upper[numbers * i];
+            samples.find(i, upper, settings.averaged + 1, scratch.of_sample, scratch.averaged);
+            double by_metric = 0, by_place = 0;
+            for (size_t k = 0; k < scratch.averaged.near.size(); ++k) {
+                const auto& of = off[scratch.of_sample.place[scratch.averaged.near[k]]];
+                by_metric += double(scratch.averaged.weight[k] * of[0]);
+                by_place += double(scratch.averaged.weight[k] * of[1]);
+            }
+            bright[i] = by_place < worth * by_metric ? 2 : 1;
+        },
+        &bright);
+    for (size_t i = 0; i < n; ++i)
+        if (bright[i] == 2) samples.local_metric(i, &made.upper[numbers * i]);
     return made;
 }
 

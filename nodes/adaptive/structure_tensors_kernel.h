@@ -9,7 +9,11 @@
 //   predicted without itself twice, from its three nearest and from the fit to all its neighbours;
 //   where the fit predicts the samples around better, radiance goes as far towards it as predicts
 //   best (stacked regression, Wolpert 1992; Breiman 1996).
+//   Where some samples outshine others, as a lamp does the wall beside it, a little of the bright
+//   carried too far is all of the error. There gradients are not followed, and the metric is kept
+//   only where it predicts samples from the others better by far than nearness on the film does.
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -28,6 +32,11 @@ struct TensorSettings {
 };
 // Least eigenvalue over the largest, after the first round, and of that after each further one.
 inline constexpr float first_floor = 0.05f, floor_of_round = 0.25f;
+
+// Whether `most` outshines `least`: a sixteenth of it, as 0.1 is added to both, is brighter.
+inline bool outshine(float least, float most) {
+    return most + 0.1f > 16 * (std::max(least, 0.0f) + 0.1f);
+}
 
 // How far each sample counts, squared: as far as about 64 others lie around it, as if those looked
 // at were spread evenly. And of each node of the tree the farthest.
