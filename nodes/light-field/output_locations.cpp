@@ -4,6 +4,7 @@
 // the set), not one of 64 patterns a pixel; `sets` gives back some of that variety, and `spacing` saves
 // what a scene in focus does not need.
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "light-field/blur_bounds.h"
@@ -30,6 +31,7 @@ struct OutputLocations {
             .in<Hierarchy>("hierarchy", "gives the picture's size, lens and shutter",
                            Need::optional)
             .in<Samples>("samples", "gives them where there is no hierarchy", Need::optional)
+            .in<Samples>("shadows", "light samples whose shadows are looked for at the locations' times: what moves among them counts for `spacing`", Need::optional)
             .out<Locations>("locations", "those of one tile, one slice a batch")
             .param("per-pixel", &OutputLocations::per_pixel, {.min = 1, .max = 1 << 20, .about = "locations a pixel"})
             .param("per-slice", &OutputLocations::per_slice,
@@ -58,6 +60,7 @@ struct OutputLocations {
         std::vector<light_field::LensPoint> points[levels];  // slice by slice, set by set
         std::vector<std::uint32_t> scramble_x, scramble_y;   // of the tile's pixels
         std::vector<int> level;                              // of the tile's blocks, row by row
+        float shadow_path = -1;                              // px: the longest of what casts shadows; < 0: not known yet
         std::vector<std::uint32_t> groups;
         Tile of;
         bool filled = false;
@@ -97,17 +100,32 @@ struct OutputLocations {
 
     // The highest level whose slices, spread evenly over lens and shutter, show all that may be seen in a block at
     // places at most `spacing` apart: what the lens spreads over a disk, motion spreads along a line.
+    // Where a shadow falls is not known, so the longest path of all that may cast one counts everywhere.
     int level_of(const Hierarchy& h, int x, int y, Scratch& scratch) const {
         const auto blur = light_field::blur_bounds(h, x, y, std::min(x + block, h.width), std::min(y + block, h.height), scratch.groups);
         const double disk = lens == Choice::sampled ? 1 + double(blur.lens / spacing) : 1,
-                     path = time == Choice::sampled ? double(blur.path / spacing) : 0;
+                     path = time == Choice::sampled ? double(std::max(blur.path, scratch.shadow_path) / spacing) : 0;
         int level = 0;
         while (level + 1 < levels && each(level) < size_t(per_pixel) && double(slices(level + 1)) >= disk * (disk + path)) ++level;
         return level;
     }
 
+    // px of the light's film, which are about those of the picture.
+    static float longest_path(const Samples* shadows) {
+        if (!shadows || !shadows->has_motion()) return 0;
+        const auto xy = shadows->xy(), z = shadows->z(), motion = shadows->motion();
+        float most = 0;
+        for (size_t i = 0; i < shadows->size(); ++i) {
+            const float x = motion[3 * i] - xy[2 * i] * motion[3 * i + 2],
+                        y = motion[3 * i + 1] - xy[2 * i + 1] * motion[3 * i + 2];
+            most = std::max(most, (x * x + y * y) / (z[i] * z[i]));
+        }
+        return std::sqrt(most);
+    }
+
     void begin_tile(const Inputs& in, Scratch& scratch) const {
         const Tile& tile = in.tile();
+        if (spacing > 0 && scratch.shadow_path < 0) scratch.shadow_path = longest_path(in.find<Samples>("shadows"));
         scratch.scramble_x.clear();
         scratch.scramble_y.clear();
         for (int y = tile.y0; y < tile.y1; ++y)

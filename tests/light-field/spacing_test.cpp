@@ -49,6 +49,28 @@ TEST(Spacing, OfWhatIsFixedCountsNothing) {
     EXPECT_NEAR(slices(2.9f, 7, near + R"(, "time": "fixed")"), 16, 1);
 }
 
+// A still picture into which shadows of moving things fall: one light sample in a plane, faster than all others.
+TEST(Spacing, CountsWhatShadowsMove) {
+    const TestFolder folder, lights;
+    const Samples still = plane(32, 32, 0, 0);
+    const auto slices_under = [&](float path) {
+        Samples light = plane(32, 32, 0, 0);
+        std::vector<float> motion(light.motion().begin(), light.motion().end());
+        motion[3 * 70 + 1] = 4 * path;
+        light.add("motion", 3, motion);
+        std::string text = tlfr_text(saved(folder, still), R"("per-pixel": 64, "spacing": 1)");
+        const std::string in = R"("in": {"hierarchy": "hierarchy"}, "set")";
+        text.replace(text.find(in), in.size(), R"("in": {"hierarchy": "hierarchy", "shadows": "light"}, "set")");
+        const std::string nodes = R"("nodes": {)";
+        text.replace(text.find(nodes), nodes.size(),
+                     nodes + R"("light": {"type": "read-samples", "set": {"file": ")" + saved(lights, light) + R"("}},)");
+        return counted(GraphRun(text), "projected") / double(still.size());
+    };
+    EXPECT_NEAR(slices_under(0), 1, 0.1);
+    EXPECT_NEAR(slices_under(7), 8, 0.1);
+    EXPECT_NEAR(slices_under(40), 64, 1);
+}
+
 TEST(Spacing, ReconstructsAsManyLocations) {
     const TestFolder folder;
     const std::string file = saved(folder, plane(40, 37, 3, 0));
