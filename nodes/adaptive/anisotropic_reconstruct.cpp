@@ -115,7 +115,7 @@ struct AnisotropicReconstruct {
     }
 };
 
-WEFT_NODE(AnisotropicReconstruct, "anisotropic-reconstruct", 4)
+WEFT_NODE(AnisotropicReconstruct, "anisotropic-reconstruct", 5)
 
 }  // namespace
 }  // namespace weft

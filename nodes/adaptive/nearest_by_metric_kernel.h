@@ -23,10 +23,13 @@ struct NearbySamples {
 };
 
 // Those that do count somewhere in a smaller box: of each support2, where it is, and its metric by
-// rows, what is not on the diagonal twice.
+// rows, what is not on the diagonal twice. Where the box is a slice, of x and y alone, records are of
+// that: what is left of support2 there, x, y, and the distance's square as a polynomial in dx and dy,
+// by dx, dx dx, dx dy, dy, dy dy and 1.
 struct CountingSamples {
     std::vector<float> records;
     std::vector<std::uint32_t> place;
+    bool slice = false;
 };
 
 // Where radiance is asked for, px. Arrays are as long as whole vectors of 16; pad() repeats the

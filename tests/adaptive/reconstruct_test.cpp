@@ -299,11 +299,10 @@ TEST(AnisotropicReconstruct, TakesTheLeastDistanceAmongTheNearest) {
                 if (off2 <= double(by.supports.squared[j])) ordered.emplace_back(sum, j);
             }
             std::sort(ordered.begin(), ordered.end());
-            // Among other places, of a box of its own or a larger one.
-            for (const float side : {0.0f, 2.0f}) {
+            // Among other places, of a box of its own, a larger one, or one of x and y alone.
+            for (const auto& [side, wide] : {std::pair(0.0f, axes), std::pair(2.0f, axes), std::pair(2.0f, size_t(2))}) {
                 std::vector<float> lo = p, hi = p;
-                for (float& x : lo) x -= side;
-                for (float& x : hi) x += side;
+                for (size_t d = 0; d < wide; ++d) lo[d] -= side, hi[d] += side;
                 gather(metrics, lo.data(), hi.data(), nearby);
                 WEFT_PICK(find_counting)(nearby, metrics.upper.data(), lo.data(), hi.data(), counting);
                 places.start(axes, 19);
