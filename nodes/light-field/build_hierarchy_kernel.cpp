@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "light-field/local_radius.h"
+#include "light-field/pages_done.h"
 #include "light-field/sample_order.h"
 
 namespace weft::light_field {
@@ -273,6 +274,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
     h.opaque = std::all_of(alpha.begin(), alpha.end(), [](float a) { return a == 1; });
     // Each sample is fetched once, and its group bounded while it is at hand.
     constexpr size_t chunk = Fetched::most, groups = chunk / Hierarchy::group_size;
+    PagesDone pages(samples);
     ctx.parallel(h.groups.size(), groups * 16, [&](size_t first, size_t last) {
         Fetched fetched;
         std::array<std::array<float, chunk>, 3> velocity;
@@ -295,6 +297,7 @@ Hierarchy build_hierarchy(const Samples& samples, Arrangement arrangement, doubl
             for (size_t i = end; i % Hierarchy::group_size; ++i) place_nowhere(h, i);
             for (size_t bounded = g; bounded < std::min(g + groups, last); ++bounded)
                 bound_group(h, bounded);
+            pages.done(std::span(h.order).subspan(begin, end - begin));
         }
     });
     build_levels(h);

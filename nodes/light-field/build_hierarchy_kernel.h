@@ -1,7 +1,8 @@
 // Building a Hierarchy: samples are carried to lens centre and half time, sorted, put in place and
 // bounded. Source: Lehtinen et al. 2011, Sec. 3.2 and Appendix A (see hierarchy.h). Cost: linear in
 // samples.  Memory: 64 bytes a sample where things move, 36 where not, all of them the result's; 12
-// while keys are sorted. Threads: through the context.
+// while keys are sorted; pages of a mapped sample file go as they are done with (pages_done.h).
+// Threads: through the context.
 #pragma once
 #include <span>
 

@@ -25,4 +25,8 @@ struct FileBytes {
 // Throws Error naming the path and the system's reason.
 FileBytes map_file(const std::string& path);
 
+// The pages that lie wholly in these values, where they are of a mapped file: they are no more of the
+// process's memory until they are looked at again. All else stays as it is. Safe while others read.
+void forget_pages(std::span<const float> values);
+
 }  // namespace weft

@@ -1,12 +1,15 @@
 // Bounds of groups hold their samples over lens and shutter; a search finds all that can be seen.
 #include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <numeric>
 #include <thread>
 
 #include "light-field/build_hierarchy_kernel.h"
 #include "light-field/reference_kernels.h"
 #include "light-field/sample_order.h"
+#include "samples/file_bytes.h"
+#include "samples/sample_file.h"
 #include "tests/light-field/light_field_test.h"
 
 namespace weft {
@@ -156,6 +159,42 @@ TEST(Hierarchy, RadiusHalvesWhenSamplesQuadruple) {
     EXPECT_NEAR(dispersion_radius(1), 2, 0.05);
     EXPECT_NEAR(dispersion_radius(16) / dispersion_radius(64), 2, 0.05);
     EXPECT_LT(dispersion_radius(3), dispersion_radius(2.5));
+}
+
+// Memory of this process that mapped files make up, bytes; below 0 where the system does not tell.
+double mapped_bytes() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("RssFile:")) return std::stod(line.substr(8)) * 1024;
+    return -1;
+}
+
+TEST(Hierarchy, OfAMappedFileLetsGoOfItAndIsTheSame) {
+    if (mapped_bytes() < 0) GTEST_SKIP() << "no RssFile in /proc/self/status";
+    const Samples samples = random_samples(640, 400, 2, Kind_of::moving_in_depth);
+    const TestFolder folder;
+    PlainContext ctx;
+    const Hierarchy expected = build_hierarchy(samples, Arrangement::layers, 1, ctx);
+    const std::string file = saved(folder, samples);
+    const Samples mapped = read_sample_file(map_file(file), {}, ctx);
+    const double before = mapped_bytes();
+    const Hierarchy h = build_hierarchy(mapped, Arrangement::layers, 1, ctx);
+    // (Reading has looked at all of it already, for checksums. What is left is where channels meet.)
+    EXPECT_LT(mapped_bytes() - before, -0.8 * 48 * double(samples.size()));
+    const auto expect_equal = [](const auto& a, const auto& b) { EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end())); };
+    expect_equal(h.order, expected.order);
+    expect_equal(h.X, expected.X);
+    expect_equal(h.paths, expected.paths);
+    expect_equal(h.rgba, expected.rgba);
+    expect_equal(mapped.rgb(), samples.rgb());
+    expect_equal(mapped.motion(), samples.motion());
+}
+
+TEST(ForgetPages, LeavesMemoryThatIsNoMappedFile) {
+    std::vector<float> values(1 << 20);
+    std::iota(values.begin(), values.end(), 0.0f);
+    forget_pages(values);
+    for (size_t i = 0; i < values.size(); i += 997) ASSERT_EQ(values[i], float(i));
 }
 
 }  // namespace
