@@ -102,8 +102,12 @@ TEST(Outshone, BlackStaysBlackBesideALamp) {
             for (int y = 0; y < 18; ++y)
                 for (int x = 0; x < width; ++x) {
                     const float px = float(x) + 0.5f, py = float(y) + 0.5f;
-                    if (!in_lamp(px, py, 2)) EXPECT_NEAR(picture.at(x, y)[0], 0.002f, 0.01f) << x << ' ' << y << ' ' << light << adaptive;
-                    if (in_lamp(px, py, -2)) EXPECT_NEAR(picture.at(x, y)[0], 20, 0.2f) << x << ' ' << y << ' ' << light << adaptive;
+                    if (!in_lamp(px, py, 2)) {
+                        EXPECT_NEAR(picture.at(x, y)[0], 0.002f, 0.01f) << x << ' ' << y << ' ' << light << adaptive;
+                    }
+                    if (in_lamp(px, py, -2)) {
+                        EXPECT_NEAR(picture.at(x, y)[0], 20, 0.2f) << x << ' ' << y << ' ' << light << adaptive;
+                    }
                 }
         }
     }

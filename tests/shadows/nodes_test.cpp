@@ -343,7 +343,9 @@ TEST(LitReceivers, AreThoseThatNothingComesNear) {
             double gap = 0;
             for (size_t c = 0; c < 3; ++c)
                 gap = std::max(gap, std::abs(double(hit[3 * i + c] - at[3 * i + c])));
-            if (gap > 0.01) EXPECT_EQ(lit[i], 0) << i;
+            if (gap > 0.01) {
+                EXPECT_EQ(lit[i], 0) << i;
+            }
         }
         EXPECT_GT(surely, all / 2);
         for (const float l : none.values("all_lit")) EXPECT_EQ(l, 0);
