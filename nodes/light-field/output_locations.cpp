@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "light-field/blur_bounds.h"
+#include "light-field/mean_blur.h"
 #include "light-field/points.h"
 #include "light-field/streams.h"
 #include "runtime/node.h"
@@ -38,8 +38,8 @@ struct OutputLocations {
                    {.min = 1, .max = 64, .about = "locations of a pixel that have one (u, v, t): faster, fewer points on the lens"})
             .param("spacing", &OutputLocations::spacing,
                    {.unit = "px", .min = 0, .max = 64,
-                    .about = "more of a pixel's locations have one (u, v, t) where all that is seen is then still shown at places no farther apart than "
-                             "this: faster in focus, same picture up to noise; 0: nowhere"})
+                    .about = "more of a pixel's locations have one (u, v, t) where what is seen is then still shown at places no farther apart than "
+                             "this, by the mean square of its blur: faster in focus, same picture up to noise; 0: nowhere"})
             .param("sets", &OutputLocations::sets,
                    {.min = 1, .max = 16,
                     .about = "sets of (u, v, t) that neighbouring pixels take in turn: noise instead of dots in large highlights, slower"})
@@ -98,11 +98,11 @@ struct OutputLocations {
         return points;
     }
 
-    // The highest level whose slices, spread evenly over lens and shutter, show all that may be seen in a block at
-    // places at most `spacing` apart: what the lens spreads over a disk, motion spreads along a line.
+    // The highest level whose slices, spread evenly over lens and shutter, show what is seen in a block, as a rule, at
+    // places at most `spacing` apart (the few that are more out of focus err like noise): what the lens spreads over a disk, motion spreads along a line.
     // Where a shadow falls is not known, so the longest path of all that may cast one counts everywhere.
     int level_of(const Hierarchy& h, int x, int y, Scratch& scratch) const {
-        const auto blur = light_field::blur_bounds(h, x, y, std::min(x + block, h.width), std::min(y + block, h.height), scratch.groups);
+        const auto blur = light_field::mean_blur(h, x, y, std::min(x + block, h.width), std::min(y + block, h.height), scratch.groups);
         const double disk = lens == Choice::sampled ? 1 + double(blur.lens / spacing) : 1,
                      path = time == Choice::sampled ? double(std::max(blur.path, scratch.shadow_path) / spacing) : 0;
         int level = 0;

@@ -24,7 +24,7 @@ struct Mappings {
     std::map<std::uintptr_t, size_t> size_of;
 };
 Mappings& mappings() {
-    static Mappings all;
+    static Mappings& all = *new Mappings;  // outlives whatever is still mapped at the end
     return all;
 }
 

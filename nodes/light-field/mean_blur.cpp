@@ -1,12 +1,12 @@
-#include "light-field/blur_bounds.h"
+#include "light-field/mean_blur.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace weft::light_field {
 
-BlurBounds blur_bounds(const Hierarchy& h, int x0, int y0, int x1, int y1,
-                       std::vector<std::uint32_t>& groups) {
+MeanBlur mean_blur(const Hierarchy& h, int x0, int y0, int x1, int y1,
+                   std::vector<std::uint32_t>& groups) {
     const float grown = 2 * h.largest_radius(x0, y0, x1, y1);
     groups.clear();
     h.collect(float(x0) - grown, float(y0) - grown, float(x1) + grown, float(y1) + grown, groups);
