@@ -32,7 +32,7 @@ struct StructureTensors {
                     .min = 3,
                     .max = 256,
                     .about = "nearest ones that a gradient is fitted to; at least three an axis "
-                             "are taken"})
+                             "are taken, and twice as many where noise is taken off"})
             .param("averaged", &StructureTensors::averaged,
                    {.unit = "samples",
                     .min = 3,
@@ -69,7 +69,7 @@ struct StructureTensors {
     }
 };
 
-WEFT_NODE(StructureTensors, "structure-tensors", 7)
+WEFT_NODE(StructureTensors, "structure-tensors", 8)
 
 }  // namespace
 }  // namespace weft

@@ -11,7 +11,8 @@
 //   best (stacked regression, Wolpert 1992; Breiman 1996).
 //   Where some samples outshine others, as a lamp does the wall beside it, a little of the bright
 //   carried too far is all of the error. There gradients are not followed, and the metric is kept
-//   only where it predicts samples from the others better by far than nearness on the film does.
+//   only where it predicts samples from the others better by far than nearness on the film does. Not
+// where noise is most of it: a sample that a light reached by chance outshines those it did not.
 #pragma once
 #include <algorithm>
 #include <span>
@@ -24,7 +25,7 @@
 namespace weft::adaptive {
 
 struct TensorSettings {
-    size_t neighbours = 24;  // a gradient is fitted to
+    size_t neighbours = 24;  // a gradient is fitted to; twice as many with `smooth`
     size_t averaged = 96;    // a tensor is the mean of
     float floor = 0.001f;    // least eigenvalue, over the largest
     float ridge = 1e-6f;     // of the least squares, over the neighbourhood's radius squared

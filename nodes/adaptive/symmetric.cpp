@@ -60,7 +60,8 @@ void factor(Matrix& m, size_t n, double least) {
         }
 }
 
-void solve_factored(const Matrix& m, size_t n, std::array<double, most_axes>& b) {
+std::array<double, most_axes> solve_factored(const Matrix& m, size_t n,
+                                             std::array<double, most_axes> b) {
     for (size_t i = 0; i < n; ++i) {
         for (size_t k = 0; k < i; ++k) b[i] -= m[i][k] * b[k];
         b[i] /= m[i][i];
@@ -69,6 +70,7 @@ void solve_factored(const Matrix& m, size_t n, std::array<double, most_axes>& b)
         for (size_t k = i + 1; k < n; ++k) b[i] -= m[k][i] * b[k];
         b[i] /= m[i][i];
     }
+    return b;
 }
 
 }  // namespace weft::adaptive

@@ -17,7 +17,8 @@ std::array<double, most_axes> eigen(Matrix m, size_t n, Matrix& vectors);
 // default what rounding leaves of the largest element: of a singular m nothing is divided by that.
 void factor(Matrix& m, size_t n);
 void factor(Matrix& m, size_t n, double least);
-// Solves m x = b, given that factor; b becomes x.
-void solve_factored(const Matrix& factor, size_t n, std::array<double, most_axes>& b);
+// x of m x = b, given that factor.
+std::array<double, most_axes> solve_factored(const Matrix& factor, size_t n,
+                                             std::array<double, most_axes> b);
 
 }  // namespace weft::adaptive

@@ -182,6 +182,32 @@ TEST(StructureTensors, TakeNoiseOffRadianceAndLeaveTheRest) {
     }
 }
 
+// Samples that see a lamp or not by chance outshine nobody: their noise goes. A lamp in its place keeps its edge within 2 %.
+TEST(StructureTensors, TellALampByChanceFromALampInItsPlace) {
+    PlainContext ctx;
+    for (const size_t axes : {2u, 3u, 4u})
+        for (unsigned seed = 0; seed < 4; ++seed) {
+            const PointTree tree = tree_of(random_points(2000, axes, unsigned(axes) + 100 * seed));
+            std::mt19937 random(seed);
+            std::bernoulli_distribution seen(0.3);
+            std::vector<float> by_chance, in_place;
+            for (size_t i = 0; i < tree.size(); ++i) {
+                by_chance.insert(by_chance.end(), 3, seen(random) ? 5.0f : 0.0f);
+                in_place.insert(in_place.end(), 3, tree.at(0)[i] < 8 ? 5.0f : 0.0f);
+            }
+            TensorSettings settings;
+            settings.smooth = true;
+            const Variation noisy = variation(tree, by_chance, settings, ctx), lamp = variation(tree, in_place, settings, ctx);
+            double sum = 0, worst = 0;
+            for (size_t i = 0; i < in_place.size(); ++i) {
+                sum += std::pow(double(noisy.radiance[i]) - 1.5, 2) / double(in_place.size());
+                worst = std::max(worst, std::abs(double(lamp.radiance[i]) - double(in_place[i])));
+            }
+            EXPECT_LT(std::sqrt(sum), 0.9) << axes << ' ' << seed;  // of 2.3
+            EXPECT_LT(worst, 0.1) << axes << ' ' << seed;
+        }
+}
+
 // A sample's neighbours against a plain search, by distance and by a metric, on each instruction set.
 TEST(Neighbourhood, HoldsTheNearest) {
     std::mt19937 random(3);
