@@ -8,6 +8,7 @@
 
 #include "rpf/pixel_statistics.h"
 #include "runtime/node.h"
+#include "samples/file_bytes.h"
 
 namespace weft {
 namespace {
@@ -94,7 +95,8 @@ struct BuildVectors {
             [](bool a, bool b) { return a && b; });
     }
 
-    // Samples with a number that is not finite take no part.
+    // Samples with a number that is not finite take no part. Pages of a mapped file that only their
+    // vectors are made of go as these grow.
     static void fill(const std::vector<const Channel*>& channels, SampleVectors& v, Context& ctx) {
         const size_t n = v.size();
         const size_t stride = v.stride();
@@ -104,7 +106,7 @@ struct BuildVectors {
         std::vector<std::uint8_t> whole(n);
         const auto rgb = v.samples.rgb();
         const size_t broken = ctx.reduce(
-            n, 8192, size_t(0),
+            n, 32768, size_t(0),
             [&](size_t begin, size_t end) {
                 size_t bad = 0;
                 for (size_t i = begin; i < end; ++i) {
@@ -121,6 +123,11 @@ struct BuildVectors {
                     for (size_t c = 0; c < 3; ++c) add(rgb[3 * i + c]);
                     whole[i] = finite;
                     bad += !finite;
+                }
+                for (const Channel* c : channels) {
+                    const auto k = size_t(c->components);
+                    if (c->role != Role::position)
+                        forget_pages(c->values.view().subspan(begin * k, (end - begin) * k));
                 }
                 return bad;
             },

@@ -1,7 +1,6 @@
 // Bounds of groups hold their samples over lens and shutter; a search finds all that can be seen.
 #include <algorithm>
 #include <atomic>
-#include <fstream>
 #include <numeric>
 #include <thread>
 
@@ -11,6 +10,7 @@
 #include "samples/file_bytes.h"
 #include "samples/sample_file.h"
 #include "tests/light-field/light_field_test.h"
+#include "tests/mapped_bytes.h"
 
 namespace weft {
 namespace {
@@ -159,14 +159,6 @@ TEST(Hierarchy, RadiusHalvesWhenSamplesQuadruple) {
     EXPECT_NEAR(dispersion_radius(1), 2, 0.05);
     EXPECT_NEAR(dispersion_radius(16) / dispersion_radius(64), 2, 0.05);
     EXPECT_LT(dispersion_radius(3), dispersion_radius(2.5));
-}
-
-// Memory of this process that mapped files make up, bytes; below 0 where the system does not tell.
-double mapped_bytes() {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("RssFile:")) return std::stod(line.substr(8)) * 1024;
-    return -1;
 }
 
 TEST(Hierarchy, OfAMappedFileLetsGoOfItAndIsTheSame) {

@@ -7,8 +7,11 @@
 #include <set>
 
 #include "image/measures.h"
+#include "samples/file_bytes.h"
+#include "samples/sample_file.h"
 #include "samples/write_npz.h"
 #include "tests/graph_run.h"
+#include "tests/mapped_bytes.h"
 #include "tests/rpf/rpf_test.h"
 
 namespace weft {
@@ -281,6 +284,26 @@ TEST(BuildVectors, leaves_out_what_never_changes_and_counts_what_is_not_finite) 
                       .run();
               }).find("colour"),
               std::string::npos);
+}
+
+TEST(BuildVectors, of_a_mapped_file_lets_go_of_what_only_they_are_made_of) {
+    if (mapped_bytes() < 0) GTEST_SKIP() << "no RssFile in /proc/self/status";
+    const Samples samples = feature_samples(320, 200, 8, grey, grey);
+    const SampleVectors expected =
+        RunNode("build-vectors").in("samples", samples).out<SampleVectors>("vectors");
+    const TestFolder folder;
+    PlainContext ctx;
+    const Samples mapped = read_sample_file(map_file(saved(folder, samples)), {.channels = {"*"}}, ctx);
+    const double before = mapped_bytes();
+    const SampleVectors v =
+        RunNode("build-vectors").in("samples", mapped).out<SampleVectors>("vectors");
+    size_t numbers = 0;  // but for x, y, r, g, b
+    for (const auto& component : v.components) numbers += component.role != Role::position;
+    EXPECT_LT(mapped_bytes() - before, -0.8 * 4 * double(numbers * samples.size()));
+    EXPECT_TRUE(std::equal(v.values.begin(), v.values.end(), expected.values.begin(),
+                           expected.values.end()));
+    EXPECT_TRUE(std::equal(mapped.values("normal").begin(), mapped.values("normal").end(),
+                           samples.values("normal").begin(), samples.values("normal").end()));
 }
 
 TEST(BilateralFilterPixels, says_what_it_misses) {
