@@ -80,7 +80,8 @@ int main(int argc, char** argv) {
             "rgb",
             3,
             standard_role("rgb"),
-            smooth_radiance(samples, dispersion_radius(samples.mean_spp()), o.widest, by, ctx),
+            smooth_radiance(samples, std::array{samples.rgb()}, dispersion_radius(samples.mean_spp()),
+                            o.widest, by, ctx)[0],
             {}});
     }
     smooth = cpu_ns() - smooth;

@@ -3,6 +3,8 @@
 // how). Only rgb changes.
 #include "light-field/smooth_radiance_kernel.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -65,15 +67,20 @@ void Stretch::shift(size_t from, size_t end) {
         std::copy(array + std::ptrdiff_t(from), array + std::ptrdiff_t(end), array);
 }
 
-Filtered::Filtered(size_t room) {
-    lay_out(room, std::array{&r, &g, &b, &weight});
+Filtered::Filtered(size_t room, size_t colors) {
+    std::vector<std::span<float>*> arrays{&weight};
+    for (Rgb& of : std::span(color).first(colors)) arrays.insert(arrays.end(), {&of.r, &of.g, &of.b});
+    lay_out(room, arrays);
 }
 
-Changes::Changes(size_t room) {
-    static_assert(Smoothing::widths == 3);
-    auto& [a, b, sharp] = of;
-    lay_out(room, std::array{&a.gain, &a.way, &a.r, &a.g, &a.b, &b.gain, &b.way, &b.r, &b.g, &b.b,
-                             &sharp.gain, &sharp.way});
+Changes::Changes(size_t room, size_t colors) {
+    std::vector<std::span<float>*> arrays;
+    for (Of& of : std::span(color).first(colors)) {
+        for (Change& change : of) arrays.insert(arrays.end(), {&change.gain, &change.way});
+        for (Change& change : std::span(of).first(Smoothing::widths - 1))
+            arrays.insert(arrays.end(), {&change.r, &change.g, &change.b});
+    }
+    lay_out(room, arrays);
 }
 
 SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
@@ -111,9 +118,9 @@ SampleField sample_field(const Samples& samples, float radius, Context& ctx) {
 }
 
 void make_room(const Samples& samples, size_t room, SampleField& s) {
-    std::vector<std::span<float>*> arrays{&s.x,          &s.y,         &s.slope, &s.velocity_x,
-                                          &s.velocity_y, &s.log_depth, &s.r,     &s.g,
-                                          &s.b};
+    std::vector<std::span<float>*> arrays{&s.x,          &s.y,          &s.slope,
+                                          &s.velocity_x, &s.velocity_y, &s.log_depth};
+    for (Rgb& of : std::span(s.color).first(s.colors)) arrays.insert(arrays.end(), {&of.r, &of.g, &of.b});
     const auto add = [&](const char* channel, std::array<std::span<float>, 3>& values) {
         if (samples.values(channel).empty()) return;
         for (std::span<float>& value : values) arrays.push_back(&value);
@@ -123,11 +130,11 @@ void make_room(const Samples& samples, size_t room, SampleField& s) {
     s.lay_out(room, arrays);
 }
 
-void fetch(const Samples& samples, int first_row, int last_row, SampleField& s, Context& ctx) {
+void fetch(const Samples& samples, Radiances of, int first_row, int last_row, SampleField& s,
+           Context& ctx) {
     const Lens lens = lens_of(samples);
     const Places places = places_of(samples);
-    const auto rgb = samples.rgb(), normal = samples.values("normal"),
-               albedo = samples.values("albedo");
+    const auto normal = samples.values("normal"), albedo = samples.values("albedo");
     const size_t first = s.start_of(first_row);
     ctx.parallel(s.start_of(last_row) - first, 4096, [&](size_t begin, size_t end) {
         Fetched fetched;
@@ -148,15 +155,16 @@ void fetch(const Samples& samples, int first_row, int last_row, SampleField& s, 
                        });
             for (size_t k = 0; k < some.size(); ++k) {
                 const size_t i = 3 * size_t(some[k]), to = at + k;
-                s.r[to] = rgb[i];
-                s.g[to] = rgb[i + 1];
-                s.b[to] = rgb[i + 2];
+                for (size_t c = 0; c < s.colors; ++c) {
+                    s.color[c].r[to] = of[c][i];
+                    s.color[c].g[to] = of[c][i + 1];
+                    s.color[c].b[to] = of[c][i + 2];
+                }
                 if (!normal.empty()) {
-                    const float* of = &normal[i];
-                    const float length =
-                        std::sqrt(of[0] * of[0] + of[1] * of[1] + of[2] * of[2]);
+                    const float* n = &normal[i];
+                    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
                     const bool none = !(length > 0 && std::isfinite(length));  // background, say
-                    for (size_t c = 0; c < 3; ++c) s.normal[c][to] = none ? 0 : of[c] / length;
+                    for (size_t c = 0; c < 3; ++c) s.normal[c][to] = none ? 0 : n[c] / length;
                 }
                 if (!albedo.empty())
                     for (size_t c = 0; c < 3; ++c)
@@ -208,18 +216,25 @@ struct Bands {
 
 }  // namespace
 
-Array<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by,
-                             Context& ctx) {
+std::vector<Array<float>> smooth_radiance(const Samples& samples, Radiances of, float radius,
+                                          float widest, Smoothing by, Context& ctx) {
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(widest, float(k) / float(Smoothing::widths - 1));
     by.window = by.width.back();
     SampleField s = sample_field(samples, radius, ctx);
+    s.colors = of.size();
     const Bands bands{s, int(by.window / s.cell_height) + 2, int(by.width[0] / s.cell_height) + 2};
     const size_t room = bands.room();
     make_room(samples, room, s);
-    Filtered filtered(room);
-    Changes changes(room);
-    const auto rgb = std::make_shared<LargeArray<float>>(3 * s.size);
+    Filtered filtered(room, s.colors);
+    Changes changes(room, s.colors);
+    std::vector<Array<float>> smoothed;
+    std::array<std::span<float>, Smoothing::most_colors> rgb;
+    for (size_t c = 0; c < s.colors; ++c) {
+        const auto made = std::make_shared<LargeArray<float>>(3 * s.size);
+        rgb[c] = *made;
+        smoothed.push_back({*made, made});
+    }
     std::atomic<size_t> done = 0;
     const auto each = [&](int first_row, int last_row, auto&& work) {
         const size_t from = bands.block(first_row), to = bands.block(last_row);
@@ -243,7 +258,7 @@ Array<float> smooth_radiance(const Samples& samples, float radius, float widest,
         s.first = first;
 
         last = bands.end(row);
-        fetch(samples, fetched, bands.fetched(last), s, ctx);
+        fetch(samples, of, fetched, bands.fetched(last), s, ctx);
         each(filtered_to, bands.filtered(last), [&](size_t from, size_t to) {
             WEFT_PICK(filter_samples)(s, by, from, to, filtered);
         });
@@ -251,10 +266,10 @@ Array<float> smooth_radiance(const Samples& samples, float radius, float widest,
             WEFT_PICK(find_errors)(s, filtered, by, from, to, changes);
         });
         each(row, last, [&](size_t from, size_t to) {
-            WEFT_PICK(treat)(s, filtered, changes, by, from, to, *rgb);
+            WEFT_PICK(treat)(s, filtered, changes, by, from, to, rgb.data());
         });
     }
-    return {*rgb, rgb};
+    return smoothed;
 }
 
 }  // namespace light_field
@@ -269,27 +284,50 @@ struct SmoothRadiance {
     static void declare(Ports<SmoothRadiance>& node) {
         node.about("smooths noisy radiance of samples along their surfaces and sharpens clean detail, as leave-one-out errors find good")
             .in<Samples>("samples", "xy, z and rgb; uv with a lens, t, motion, normal and albedo where it has them")
-            .out<Samples>("samples", "the same with another rgb")
-            .param("widest", &SmoothRadiance::widest, {.min = 1, .max = 16, .about = "widest kernel, in radii R of the gaps expected between samples"})
-            .param("caution", &SmoothRadiance::caution, {.min = 0, .max = 10, .about = "standard errors by which a wider kernel must predict better to be used"})
-            .param("sharp-caution", &SmoothRadiance::sharp_caution, {.min = 0, .max = 1e6, .about = "the same for sharpening, which the filter's blur is made up for with; 1e6: never"})
-            .param("radius-scale", &SmoothRadiance::radius_scale, {.min = 0.1, .max = 10, .about = "of R"})
-            .param("slope-tolerance", &SmoothRadiance::slope_tolerance, {.unit = "px", .min = 0, .max = 100, .about = "difference in slope over the lens within a surface"})
-            .param("velocity-tolerance", &SmoothRadiance::velocity_tolerance,
-                   {.unit = "px per shutter", .min = 0, .max = 1000, .about = "difference in velocity within a surface"})
-            .param("depth-tolerance", &SmoothRadiance::depth_tolerance, {.min = 0, .max = 10, .about = "relative difference in depth within a surface"})
-            .param("normal-tolerance", &SmoothRadiance::normal_tolerance,
-                   {.min = 0.05, .max = 1e6, .about = "difference of unit normals from which on samples are not smoothed together; less of it takes weight"})
-            .param("albedo-tolerance", &SmoothRadiance::albedo_tolerance,
-                   {.min = 0, .max = 1e6, .about = "difference in albedo within a surface"});
+            .out<Samples>("samples", "the same with another rgb");
+        declare_parameters(node);
     }
-    Cost cost(const Shapes& in) const {
-        const Shape s = in["samples"];
-        const double n = double(s.records), band = std::min(n, 131072 + n / 8);
-        return {{{"samples", {s.width, s.height, 0, s.records, s.bytes}}}, 20 * n + 148 * band, 700 * n};
-    }
+    Cost cost(const Shapes& in) const { return cost_of(in, {"samples"}); }
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
-        const Samples& samples = in.get<Samples>("samples");
+        smooth({{{"samples", &in.get<Samples>("samples")}}}, out, ctx);
+    }
+
+  protected:
+    // Where samples come in and go out.
+    struct Part {
+        const char* port;
+        const Samples* samples;
+    };
+    using Parts = std::vector<Part>;
+
+    template <class Node>
+    static void declare_parameters(Ports<Node>& node) {
+        const auto number = [&](const char* name, float SmoothRadiance::*field, Limits limits) {
+            node.param(name, static_cast<float Node::*>(field), std::move(limits));
+        };
+        number("widest", &SmoothRadiance::widest, {.min = 1, .max = 16, .about = "widest kernel, in radii R of the gaps expected between samples"});
+        number("caution", &SmoothRadiance::caution, {.min = 0, .max = 10, .about = "standard errors by which a wider kernel must predict better to be used"});
+        number("sharp-caution", &SmoothRadiance::sharp_caution, {.min = 0, .max = 1e6, .about = "the same for sharpening, which the filter's blur is made up for with; 1e6: never"});
+        number("radius-scale", &SmoothRadiance::radius_scale, {.min = 0.1, .max = 10, .about = "of R"});
+        number("slope-tolerance", &SmoothRadiance::slope_tolerance, {.unit = "px", .min = 0, .max = 100, .about = "difference in slope over the lens within a surface"});
+        number("velocity-tolerance", &SmoothRadiance::velocity_tolerance,
+               {.unit = "px per shutter", .min = 0, .max = 1000, .about = "difference in velocity within a surface"});
+        number("depth-tolerance", &SmoothRadiance::depth_tolerance, {.min = 0, .max = 10, .about = "relative difference in depth within a surface"});
+        number("normal-tolerance", &SmoothRadiance::normal_tolerance,
+               {.min = 0.05, .max = 1e6, .about = "difference of unit normals from which on samples are not smoothed together; less of it takes weight"});
+        number("albedo-tolerance", &SmoothRadiance::albedo_tolerance,
+               {.min = 0, .max = 1e6, .about = "difference in albedo within a surface"});
+    }
+    static Cost cost_of(const Shapes& in, std::initializer_list<const char*> ports) {
+        const Shape s = in[*ports.begin()];
+        const double n = double(s.records), band = std::min(n, 131072 + n / 8), parts = double(ports.size());
+        Cost cost{{}, (8 + 12 * parts) * n + (68 + 80 * parts) * band, (300 + 400 * parts) * n};
+        for (const char* port : ports) cost.outputs.push_back({port, {s.width, s.height, 0, s.records, s.bytes}});
+        return cost;
+    }
+    // Samples of the parts differ in rgb alone.
+    void smooth(Parts parts, Outputs& out, Context& ctx) const {
+        const Samples& samples = *parts[0].samples;
         samples.require("smooth-radiance", {"xy", "z", "rgb"});
         light_field::Smoothing by;
         by.slope = slope_tolerance;
@@ -299,7 +337,30 @@ struct SmoothRadiance {
         by.albedo = albedo_tolerance;
         by.caution = caution;
         by.sharp_caution = sharp_caution;
-        const auto rgb = samples.rgb();
+        std::vector<std::span<const float>> radiances;
+        std::erase_if(parts, [&](const Part& part) {
+            if (!out.wanted(part.port)) return true;
+            const float level = mean_level(part.samples->rgb(), ctx);
+            if (!(level > 0)) {
+                out.set(part.port, *part.samples);
+                return true;
+            }
+            by.epsilon[radiances.size()] = 0.3f * level;
+            radiances.push_back(part.samples->rgb());
+            return false;
+        });
+        if (parts.empty()) return;
+        const float radius = radius_scale * light_field::dispersion_radius(samples.mean_spp());
+        std::vector<Array<float>> smoothed = light_field::smooth_radiance(samples, radiances, radius, widest, by, ctx);
+        for (size_t c = 0; c < parts.size(); ++c) {
+            Samples smooth = *parts[c].samples;
+            smooth.add(Channel{"rgb", 3, standard_role("rgb"), std::move(smoothed[c]), {}});
+            out.set(parts[c].port, std::move(smooth));
+        }
+    }
+
+  private:
+    static float mean_level(std::span<const float> rgb, Context& ctx) {
         const double total = ctx.reduce(
             rgb.size(), 65536, 0.0,
             [&](size_t begin, size_t end) {
@@ -308,20 +369,31 @@ struct SmoothRadiance {
                 return sum;
             },
             [](double a, double b) { return a + b; });
-        if (!(total > 0)) {
-            out.set("samples", samples);
-            return;
-        }
-        by.epsilon = 0.3f * float(total / double(rgb.size()));
-        Samples smooth = samples;
-        const float radius = radius_scale * light_field::dispersion_radius(samples.mean_spp());
-        Array<float> smoothed = light_field::smooth_radiance(samples, radius, widest, by, ctx);
-        smooth.add(Channel{"rgb", 3, standard_role("rgb"), std::move(smoothed), {}});
-        out.set("samples", std::move(smooth));
+        return total > 0 ? float(total / double(rgb.size())) : 0.0f;
+    }
+};
+
+// Both parts that separate-light makes of samples, in one go.
+struct SmoothParts : SmoothRadiance {
+    static void declare(Ports<SmoothParts>& node) {
+        node.about("smooths two parts of the same samples' light as smooth-radiance does, at little more than the cost of one")
+            .in<Samples>("rest", "xy, z and rgb; uv with a lens, t, motion, normal and albedo where it has them")
+            .in<Samples>("direct", "the same but for rgb")
+            .out<Samples>("rest", "the same with another rgb")
+            .out<Samples>("direct", "the same with another rgb");
+        declare_parameters(node);
+    }
+    Cost cost(const Shapes& in) const { return cost_of(in, {"rest", "direct"}); }
+    void run(const Inputs& in, Outputs& out, Context& ctx) const {
+        const Samples &rest = in.get<Samples>("rest"), &direct = in.get<Samples>("direct");
+        if (direct.size() != rest.size())
+            ctx.fail(fmt::format("'direct' has {} samples and 'rest' {}; expected parts of the same ones", direct.size(), rest.size()));
+        smooth({{"rest", &rest}, {"direct", &direct}}, out, ctx);
     }
 };
 
 WEFT_NODE(SmoothRadiance, "smooth-radiance", 7)
+WEFT_NODE(SmoothParts, "smooth-parts", 1)
 
 }  // namespace
 }  // namespace weft

@@ -16,6 +16,8 @@
 //   how far      what makes the error of the two predictions' mix least, there and then: where
 //   noise and
 //                structure meet, part of both is kept
+// Several radiances of the same samples, such as parts of the light, are smoothed in one go: whom each
+// sample's surface holds around it, and how near, is found out once for all.
 // Source: leave-one-out choice of bandwidth (Stone 1974; as in Haerdle 1990, ch. 5), mixing of
 // predictions by the same errors (Wolpert 1992; Breiman 1996, "Stacked regressions"), twicing
 // (Tukey 1977; Stuetzle and Mittal 1979); own combination. Kernels work on blocks [first, last) of
@@ -50,7 +52,13 @@ struct Smoothing {
     float albedo = 0.1f;   // the same of albedo, each channel
     float caution = 0.5f;  // standard errors by which a wider kernel has to win
     float sharp_caution = 2;  // the same for sharpening
-    float epsilon = 0.1f;     // radiance below which errors count less
+    static constexpr size_t most_colors = 2;  // of the same samples
+    std::array<float, most_colors> epsilon{0.1f, 0.1f};  // radiance below which errors count less
+};
+
+// Values of some samples, channel by channel.
+struct Rgb {
+    std::span<float> r, g, b;
 };
 
 // Values of samples in several arrays. They are longer than needed, for whole vectors.
@@ -84,7 +92,9 @@ struct SampleField : Stretch {
     // Of the samples at hand; element i of an array is of sample first + i.
     size_t first = 0;
     std::vector<Block> blocks;
-    std::span<float> x, y, slope, velocity_x, velocity_y, log_depth, r, g, b;
+    std::span<float> x, y, slope, velocity_x, velocity_y, log_depth;
+    size_t colors = 1;
+    std::array<Rgb, Smoothing::most_colors> color;
     std::array<std::span<float>, 3> normal,
         albedo;  // empty where samples have none; normals of unit length
 
@@ -109,25 +119,29 @@ struct SampleField : Stretch {
 // samples, px.
 SampleField sample_field(const Samples& samples, float radius, Context& ctx);
 void make_room(const Samples& samples, size_t room, SampleField& field);
+// Radiances of the samples of a buffer, three numbers each.
+using Radiances = std::span<const std::span<const float>>;
 // Takes the samples of rows [first, last), which follow those at hand, to hand, too.
-void fetch(const Samples& samples, int first, int last, SampleField& field, Context& ctx);
+void fetch(const Samples& samples, Radiances of, int first, int last, SampleField& field,
+           Context& ctx);
 
 // What the filter to come makes of each sample at hand, and the sum of its weights there.
 struct Filtered : Stretch {
-    std::span<float> r, g, b, weight;
-    explicit Filtered(size_t room);
+    std::array<Rgb, Smoothing::most_colors> color;
+    std::span<float> weight;
+    explicit Filtered(size_t room, size_t colors = 1);
 };
 
 // What each treatment but the first makes of a sample, against the sample as it is.
-struct Change {
-    std::span<float> gain;     // error less that of the sample as it is: below 0, it gains
-    std::span<float> way;      // from the one prediction to the other, squared, as errors are
-    std::span<float> r, g, b;  // smoothed; none where sharpened
+struct Change : Rgb {  // smoothed; none where sharpened
+    std::span<float> gain;  // error less that of the sample as it is: below 0, it gains
+    std::span<float> way;   // from the one prediction to the other, squared, as errors are
 };
 struct Changes : Stretch {
-    std::array<Change, Smoothing::treatments - 1> of;
-    explicit Changes(size_t room);
-    const Change& operator[](size_t treatment) const { return of[treatment - 1]; }
+    // Of one radiance, treatment by treatment from the first that changes it on.
+    using Of = std::array<Change, Smoothing::treatments - 1>;
+    std::array<Of, Smoothing::most_colors> color;
+    explicit Changes(size_t room, size_t colors = 1);
 };
 
 #define WEFT_SMOOTHING_KERNELS(isa)                                                               \
@@ -137,14 +151,14 @@ struct Changes : Stretch {
     void find_errors(const SampleField& field, const Filtered& filtered, const Smoothing& by,     \
                      size_t first, size_t last, Changes& out);                                    \
     void treat(const SampleField& field, const Filtered& filtered, const Changes& changes,        \
-               const Smoothing& by, size_t first, size_t last, std::span<float> rgb);             \
+               const Smoothing& by, size_t first, size_t last, std::span<float>* rgb);            \
     }
 WEFT_SMOOTHING_KERNELS(v2)
 WEFT_SMOOTHING_KERNELS(v3)
 WEFT_SMOOTHING_KERNELS(v4)
 
-// The buffer's rgb, smoothed. Widths are `radius` times 1 ... widest.
-Array<float> smooth_radiance(const Samples& samples, float radius, float widest, Smoothing by,
-                             Context& ctx);
+// Radiances of the buffer's samples, Smoothing::most_colors at most, smoothed. Widths are `radius` times 1 ... widest.
+std::vector<Array<float>> smooth_radiance(const Samples& samples, Radiances of, float radius,
+                                          float widest, Smoothing by, Context& ctx);
 
 }  // namespace weft::light_field

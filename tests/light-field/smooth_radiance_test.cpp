@@ -43,7 +43,7 @@ light_field::SampleField whole_field(const Samples& samples, float radius) {
     PlainContext ctx;
     light_field::SampleField s = light_field::sample_field(samples, radius, ctx);
     light_field::make_room(samples, s.size, s);
-    light_field::fetch(samples, 0, s.rows, s, ctx);
+    light_field::fetch(samples, std::array{samples.rgb()}, 0, s.rows, s, ctx);
     return s;
 }
 
@@ -208,6 +208,33 @@ TEST(SmoothRadiance, BlackAndEmptyBuffersComeOutAsTheyWere) {
     EXPECT_EQ(RunNode("smooth-radiance").in("samples", none).out<Samples>("samples").size(), 0u);
 }
 
+// What two parts of the light share is worked out once; what comes out is the same.
+TEST(SmoothRadiance, PartsAsEachByItself) {
+    const Samples rest = random_samples(60, 50, 3, Kind_of::moving_in_depth);
+    Samples direct = rest, black = rest;
+    std::vector<float> rgb(rest.rgb().begin(), rest.rgb().end());
+    for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = 3 + rgb[i] * std::sin(float(i));
+    direct.add("rgb", 3, rgb);
+    black.add("rgb", 3, std::vector<float>(rgb.size(), 0.0f));
+    const auto alone = [](const Samples& samples) {
+        return RunNode("smooth-radiance").in("samples", samples).out<Samples>("samples");
+    };
+    for (Isa isa : instruction_sets()) {
+        const PinnedIsa pinned(isa);
+        RunNode both("smooth-parts");
+        both.in("rest", rest).in("direct", direct);
+        EXPECT_TRUE(std::ranges::equal(both.out<Samples>("rest").rgb(), alone(rest).rgb()));
+        EXPECT_TRUE(std::ranges::equal(both.out<Samples>("direct").rgb(), alone(direct).rgb()));
+        Samples one, other;
+        both.run({Slot{"rest", &type_info<Samples>(), &one, {}}, Slot{"direct", &type_info<Samples>(), &other, {}}});
+        EXPECT_TRUE(std::ranges::equal(one.rgb(), alone(rest).rgb()));
+        EXPECT_TRUE(std::ranges::equal(other.rgb(), alone(direct).rgb()));
+        RunNode unlit("smooth-parts");
+        unlit.in("rest", black).in("direct", direct);
+        EXPECT_TRUE(std::ranges::equal(unlit.out<Samples>("direct").rgb(), alone(direct).rgb()));
+    }
+}
+
 // A field is gone through in bands of rows, of which no sample is to notice anything.
 TEST(SmoothRadiance, InBandsItIsAsInOne) {
     using namespace light_field;
@@ -215,7 +242,7 @@ TEST(SmoothRadiance, InBandsItIsAsInOne) {
     const Samples samples = random_samples(500, 400, 1, Kind_of::moving_in_depth);
     const float radius = dispersion_radius(1);
     Smoothing by;
-    const Array<float> smoothed = smooth_radiance(samples, radius, 4, by, ctx);
+    const Array<float> smoothed = smooth_radiance(samples, std::array{samples.rgb()}, radius, 4, by, ctx)[0];
     for (size_t k = 0; k < Smoothing::widths; ++k)
         by.width[k] = radius * std::pow(4.0f, float(k) / float(Smoothing::widths - 1));
     by.window = by.width.back();
@@ -225,9 +252,10 @@ TEST(SmoothRadiance, InBandsItIsAsInOne) {
     Filtered filtered(s.size);
     Changes changes(s.size);
     std::vector<float> rgb(3 * s.size);
+    std::span<float> to = rgb;
     WEFT_PICK(filter_samples)(s, by, 0, blocks, filtered);
     WEFT_PICK(find_errors)(s, filtered, by, 0, blocks, changes);
-    WEFT_PICK(treat)(s, filtered, changes, by, 0, blocks, rgb);
+    WEFT_PICK(treat)(s, filtered, changes, by, 0, blocks, &to);
     EXPECT_TRUE(std::ranges::equal(smoothed.view(), rgb));
 }
 
@@ -244,7 +272,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
     by.depth = 0.1f;
     by.slope = 1;
     by.velocity = 2;
-    by.epsilon = 0.2f;
+    by.epsilon = {0.2f};
     const SampleField s = whole_field(samples, 0.8f);
     by.window = 2.5f;
     const size_t n = s.size, sharp = Smoothing::treatments - 1;
@@ -265,7 +293,7 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
         if (d < 0 || d > 1) return 0.0;
         return k == 0 ? (1 - d) * (1 - d) : (1 - d * d) * likeness(i, j);
     };
-    const std::span<const float> y[3] = {s.r, s.g, s.b};
+    const std::span<const float> y[3] = {s.color[0].r, s.color[0].g, s.color[0].b};
     // Prediction of sample i by treatment k from the radiance `of`, without sample `out`.
     const auto mean = [&](size_t k, size_t i, const std::vector<double>& of, size_t out) {
         double sum = 0, all = 0;
@@ -289,9 +317,10 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
         Changes changes(n);
         WEFT_PICK(find_errors)(s, filtered, by, 0, blocks, changes);
         std::vector<float> rgb(samples.rgb().begin(), samples.rgb().end());
-        WEFT_PICK(treat)(s, filtered, changes, by, 0, blocks, rgb);
+        std::span<float> to = rgb;
+        WEFT_PICK(treat)(s, filtered, changes, by, 0, blocks, &to);
 
-        for (size_t i = 0; i < n; i += 5) EXPECT_NEAR(filtered.g[i], mean(0, i, radiance[1], n), 1e-4);
+        for (size_t i = 0; i < n; i += 5) EXPECT_NEAR(filtered.color[0].g[i], mean(0, i, radiance[1], n), 1e-4);
         for (size_t i = 0; i < n; i += 11) {
             if (filtered.weight[i] < 1.01f) continue;  // all but nothing is left without the sample
             double wide[3], as_is[3];
@@ -309,8 +338,8 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                     way += (off - as_is[c]) * (off - as_is[c]) / level;
                 }
                 if (!std::isfinite(error)) return;
-                EXPECT_NEAR(changes[k].gain[i], gain, precision * error + 1e-4) << k;
-                EXPECT_NEAR(changes[k].way[i], way, precision * error + 1e-4) << k;
+                EXPECT_NEAR(changes.color[0][k - 1].gain[i], gain, precision * error + 1e-4) << k;
+                EXPECT_NEAR(changes.color[0][k - 1].way[i], way, precision * error + 1e-4) << k;
             };
             for (size_t k = 1; k < Smoothing::widths; ++k)
                 expect(k, [&](size_t c) { return radiance[c][i] - mean(k, i, radiance[c], i); }, 1e-3);
@@ -334,10 +363,10 @@ TEST(SmoothRadiance, ChoosesAsTheScalarFormDoes) {
                 for (size_t j = 0; j < n; ++j) {
                     const double d = distance(i, j) / by.window;
                     if (d < 0 || d >= 1) continue;
-                    const double w = (1 - d * d) * likeness(i, j), g = w * double(changes[k].gain[j]);
+                    const double w = (1 - d * d) * likeness(i, j), g = w * double(changes.color[0][k - 1].gain[j]);
                     gain += g;
                     spread += g * g;
-                    way += w * double(changes[k].way[j]);
+                    way += w * double(changes.color[0][k - 1].way[j]);
                 }
                 gain += (k == sharp ? by.sharp_caution : by.caution) * std::sqrt(spread);
                 // The least error of all mixes, by trying them.
