@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "light-field/grid_reach.h"
 #include "light-field/local_radius.h"
@@ -11,6 +12,17 @@
 namespace weft::shadows::WEFT_ISA {
 namespace {
 using namespace light_field::WEFT_ISA;
+
+// Writes 1 into n bytes: few, as a rule.
+HWY_INLINE void mark(std::uint8_t* to, size_t n) {
+    constexpr std::uint32_t four = 0x01010101;
+    if (n < 4 || n > 8) {
+        std::fill_n(to, n, std::uint8_t(1));
+        return;
+    }
+    std::memcpy(to, &four, 4);
+    std::memcpy(to + n - 4, &four, 4);
+}
 
 class Voting {
   public:
@@ -44,6 +56,7 @@ class Voting {
         if (open.empty()) return;
         lay_out();
         project(hits_, s_.hits);
+        work_out_hits();
         s_.first_stop.assign(1, 0);
         size_t left = 0;
         for (const std::uint32_t l : open) {
@@ -91,8 +104,7 @@ class Voting {
         s_.wanted.assign(pitch_ * size_t(p.rows) + 4, 0);
         for (const std::uint32_t l : s_.open) {
             std::uint8_t* row = s_.wanted.data() + s_.first[l];
-            for (size_t r = 0; r < s_.rows[l]; ++r, row += pitch_)
-                std::fill_n(row, s_.across[l], std::uint8_t(1));
+            for (size_t r = 0; r < s_.rows[l]; ++r, row += pitch_) mark(row, s_.across[l]);
         }
         collect(h, reach_ + 2 * cell_, grid.block);
         p.hierarchy = &h;
@@ -100,16 +112,22 @@ class Voting {
                                               p);
     }
 
-    // The groups that may be seen around the batch. Other slices of the same pixels look at much
-    // the same of the film, so some more than needed serves these, too.
+    // The groups that may be seen around the batch. Other slices of the same pixels look at about
+    // the same place of the film from elsewhere, so what served those before is kept, too, unless
+    // that is much.
     void collect(const Hierarchy& h, float reach, light_field::Block& block) const {
         const int far = int(std::ceil(reach));
-        const int x0 = at_.x0 - far, y0 = at_.y0 - far, x1 = at_.x1 + far, y1 = at_.y1 + far;
-        if (block.hierarchy == &h && block.x0 <= x0 && block.y0 <= y0 && block.x1 >= x1 &&
-            block.y1 >= y1 &&
-            double(block.x1 - block.x0) * double(block.y1 - block.y0) <
-                2.0 * double(x1 - x0) * double(y1 - y0))
-            return;
+        int x0 = at_.x0 - far, y0 = at_.y0 - far, x1 = at_.x1 + far, y1 = at_.y1 + far;
+        const double most = 2.5 * double(x1 - x0) * double(y1 - y0);
+        if (block.hierarchy == &h) {
+            const int left = std::min(x0, block.x0), top = std::min(y0, block.y0),
+                      right = std::max(x1, block.x1), bottom = std::max(y1, block.y1);
+            if (double(right - left) * double(bottom - top) < most) {
+                if (left == block.x0 && top == block.y0 && right == block.x1 && bottom == block.y1)
+                    return;
+                x0 = left, y0 = top, x1 = right, y1 = bottom;
+            }
+        }
         const int more_x = (x1 - x0) / 16, more_y = (y1 - y0) / 16;
         light_field::collect(h, x0 - more_x, y0 - more_y, x1 + more_x, y1 + more_y, 0, block);
     }
@@ -119,7 +137,7 @@ class Voting {
         return planes_.seen(queries_.inverse_depth[l], {queries_.slope_x[l], queries_.slope_y[l]});
     }
 
-    // work(entries' first, dx, dy, 1/w, which) for vectors with some that are nearer to the light than
+    // work(first entry, dx, dy, 1/w, which) for vectors with some that are nearer to the light than
     // a location's plane, in the order of EntryVectors. Returns how many samples are near.
     template <class Work>
     HWY_INLINE size_t each_nearer(const Projection& p, size_t l, const Seen& r, Work&& work) {
@@ -144,7 +162,7 @@ class Voting {
                 const VF here = hn::Add(plane, hn::Add(hn::Mul(rise_x, dx), hn::Mul(rise_y, dy)));
                 const auto nearer = hn::And(in, hn::Lt(here, depth));
                 if (hn::AllFalse(f, nearer)) continue;
-                work(i, entry, dx, dy, depth, nearer);
+                work(i, dx, dy, depth, nearer);
             }
         }
         return near;
@@ -153,71 +171,83 @@ class Voting {
     // What stops a location's light, should no ray pass it: stops_ on.
     void find_stops(size_t l) {
         const Seen r = receiver(l);
-        auto& found = s_.nearer;
-        size_t n = 0;
-        const size_t near = each_nearer(
-            s_.hits.projection, l, r,
-            [&](size_t, const EntryVectors& entry, VF dx, VF dy, VF depth, auto nearer) HWY_ATTR {
-                found.grow(n + 2 * lanes);
-                const Pack pack(nearer);
-                pack.store(dx, &found.x[n]);
-                pack.store(dy, &found.y[n]);
-                pack.store(depth, &found.inverse[n]);
-                pack.store(entry.sample(), &found.sample[n]);
-                n += pack.count;
-            });
-        out_.votes[l] = std::uint32_t(near);
+        const bool planes = !hits_.plane_x.empty();
+        const auto& traits = s_.hits.traits;
         auto& stops = s_.stops;
         const size_t first = stops_;
-        const bool planes = !hits_.plane_x.empty();
-        for (size_t i = 0; i < n; i += lanes) {
-            const auto valid = hn::FirstN(f, n - i);
-            const VF dx = hn::LoadU(f, &found.x[i]), dy = hn::LoadU(f, &found.y[i]),
-                     inverse = hn::LoadU(f, &found.inverse[i]);
-            VF beside = inverse;
-            if (planes) {
-                const VI sample = hn::BitCast(
-                    sn, hn::IfThenElseZero(hn::RebindMask(un, valid),
-                                           hn::LoadU(un, &found.sample[i])));
-                const auto rise = planes_.own(inverse, hn::GatherIndex(f, hits_.plane_x.data(), sample),
-                                              hn::GatherIndex(f, hits_.plane_y.data(), sample));
-                beside = PlaneVectors::beside(dx, dy, inverse, rise.x, rise.y);
-            }
-            const auto before = planes_.before(r, dx, dy, inverse, beside);
-            stops.grow(stops_ + 2 * lanes);
-            const Pack pack(hn::And(valid, before.which));
-            pack.store(dx, &stops.x[stops_]);
-            pack.store(dy, &stops.y[stops_]);
-            pack.store(beside, &stops.inverse[stops_]);
-            stops_ += pack.count;
-        }
+        out_.votes[l] = std::uint32_t(each_nearer(
+            s_.hits.projection, l, r,
+            [&](size_t i, VF dx, VF dy, VF inverse, auto nearer) HWY_ATTR {
+                const auto before = stands_before(r, traits, planes, i, dx, dy, inverse, nearer);
+                stops.grow(stops_ + 2 * lanes);
+                const Pack pack(before.which);
+                pack.store(dx, &stops.x[stops_]);
+                pack.store(dy, &stops.y[stops_]);
+                pack.store(before.beside, &stops.inverse[stops_]);
+                stops_ += pack.count;
+            }));
         if (stops_ > first) out_.share[l] = 0;
     }
 
-    // What is asked of passes again and again, of each entry of their grid: how their planes rise,
-    // how deep they get; how far they move a unit of 1/w, as the light is looked at from here and not
-    // from where their rays started; and how far what bends may come out beside them.
+    // Which of the entries from the i-th on, of those that are `nearer`, stand before a receiver.
+    // Brings them in order.
+    HWY_INLINE PlaneVectors::Before stands_before(const Seen& r, const LightVoteGrid::Traits& traits,
+                                                  bool planes, size_t i, VF& dx, VF& dy,
+                                                  VF& inverse, hn::Mask<F> nearer) const {
+        dx = in_order(dx), dy = in_order(dy);
+        // (What is not nearer is at no depth, before nothing.)
+        inverse = in_order(hn::IfThenElseZero(nearer, inverse));
+        VF beside = inverse;
+        if (planes)
+            beside = PlaneVectors::beside(dx, dy, inverse, hn::LoadU(f, &traits.rise_x[i]),
+                                          hn::LoadU(f, &traits.rise_y[i]));
+        auto before = planes_.before(r, dx, dy, inverse, beside);
+        before.which = hn::And(before.which, hn::Gt(inverse, hn::Zero(f)));
+        return before;
+    }
+
+    // What locations ask of entries again and again is worked out once for each. work(i, samples,
+    // 1/w) for vectors of entries from the i-th on, row by row.
+    template <class Work>
+    void each_entry(LightVoteGrid& grid, Work&& work) const {
+        const Projection& p = grid.projection;
+        grid.traits.grow(p.start[pitch_ * size_t(p.rows)] + lanes);
+        for (size_t row = 0; row < size_t(p.rows); ++row) {
+            const std::uint32_t* start = p.start.data() + row * pitch_;
+            const size_t end = start[p.columns];
+            for (size_t i = start[0]; i < end; i += lanes) {
+                const EntryVectors entry(&p.entries[i]);
+                const VI sample = hn::BitCast(
+                    sn, hn::IfThenElseZero(hn::FirstN(un, end - i), in_order(entry.sample())));
+                work(i, sample, hn::BitCast(f, in_order(entry.traits())));
+            }
+        }
+    }
+    // How entries' planes rise.
+    void put_rise(const Hierarchy& h, size_t i, VI sample, VF inverse,
+                  LightVoteGrid::Traits& traits) const {
+        const auto rise = planes_.own(inverse, hn::GatherIndex(f, h.plane_x.data(), sample),
+                                      hn::GatherIndex(f, h.plane_y.data(), sample));
+        hn::StoreU(rise.x, f, &traits.rise_x[i]), hn::StoreU(rise.y, f, &traits.rise_y[i]);
+    }
+    void work_out_hits() {
+        if (hits_.plane_x.empty()) return;
+        each_entry(s_.hits, [&](size_t i, VI sample, VF inverse) HWY_ATTR {
+            put_rise(hits_, i, sample, inverse, s_.hits.traits);
+        });
+    }
+    // Of passes also how deep they get; how far they move a unit of 1/w, as the light is looked at
+    // from here and not from where their rays started; and how far what bends may come out beside
+    // them.
     void work_out_passes() {
-        const Projection& p = s_.passes.projection;
-        auto& traits = s_.traits;
-        const size_t n = p.start[pitch_ * size_t(p.rows)];
-        traits.grow(n + lanes);
+        auto& traits = s_.passes.traits;
         const bool planes = !passes_.plane_x.empty(), lens = !passes_.uv.empty();
         const auto* order = reinterpret_cast<const std::int32_t*>(passes_.order.data());
-        for (size_t i = 0; i < n; i += lanes) {
-            const EntryVectors entry(&p.entries[i]);
-            const VI sample = hn::BitCast(
-                sn, hn::IfThenElseZero(hn::FirstN(un, n - i), in_order(entry.sample())));
-            const VF inverse = hn::BitCast(f, in_order(entry.traits()));
+        each_entry(s_.passes, [&](size_t i, VI sample, VF inverse) HWY_ATTR {
             const VF end = hn::GatherIndex(f, passes_.end.data(), sample);
             hn::StoreU(hn::Div(hn::Set(f, 1.0f), end), f, &traits.end[i]);
-            if (planes) {
-                const auto rise =
-                    planes_.own(inverse, hn::GatherIndex(f, passes_.plane_x.data(), sample),
-                                hn::GatherIndex(f, passes_.plane_y.data(), sample));
-                hn::StoreU(rise.x, f, &traits.rise_x[i]), hn::StoreU(rise.y, f, &traits.rise_y[i]);
-            }
-            if (!lens) continue;
+            if (planes) put_rise(passes_, i, sample, inverse, traits);
+            if (!lens) return;
             const VI from = hn::ShiftLeft<1>(hn::GatherIndex(sn, order, sample));
             const VF lx = hn::GatherIndex(f, passes_.uv.view().data(), from),
                      ly = hn::GatherIndex(f, passes_.uv.view().data() + 1, from);
@@ -230,29 +260,22 @@ class Voting {
             hn::StoreU(hn::Mul(hn::Mul(bulge, hn::Mul(part, part)),
                                hn::Add(hn::Mul(x, x), hn::Mul(y, y))),
                        f, &traits.bulge[i]);
-        }
+        });
     }
 
     void ask_passes(size_t k) {
         const size_t l = s_.open[k], first = s_.first_stop[k], last = s_.first_stop[k + 1];
         const Seen r = receiver(l);
         const bool planes = !passes_.plane_x.empty(), lens = !passes_.uv.empty();
-        const auto& traits = s_.traits;
+        const auto& traits = s_.passes.traits;
         auto& passing = s_.passing;
         size_t count = 0;
         out_.votes[l] += std::uint32_t(each_nearer(
             s_.passes.projection, l, r,
-            [&](size_t i, const EntryVectors&, VF dx, VF dy, VF inverse, auto nearer) HWY_ATTR {
+            [&](size_t i, VF dx, VF dy, VF inverse, auto nearer) HWY_ATTR {
                 if (first == last) return;
-                dx = in_order(dx), dy = in_order(dy);
-                // (What is not nearer is at no depth, before nothing.)
-                inverse = in_order(hn::IfThenElseZero(nearer, inverse));
-                VF beside = inverse;
-                if (planes)
-                    beside = PlaneVectors::beside(dx, dy, inverse, hn::LoadU(f, &traits.rise_x[i]),
-                                                  hn::LoadU(f, &traits.rise_y[i]));
-                const auto before = planes_.before(r, dx, dy, inverse, beside);
-                const Pack pack(hn::And(before.which, hn::Gt(inverse, hn::Zero(f))));
+                const auto before = stands_before(r, traits, planes, i, dx, dy, inverse, nearer);
+                const Pack pack(before.which);
                 passing.grow(count + 2 * lanes);
                 pack.store(dx, &passing.x[count]);
                 pack.store(dy, &passing.y[count]);
@@ -268,16 +291,25 @@ class Voting {
             }));
         if (count == 0) return;
         // Of the stops the nearest first: most often it decides.
-        const auto& stops = s_.stops;
-        size_t nearest = first;
-        float least = 1e38f;
-        for (size_t i = first; i < last; ++i)
-            if (const float d2 = stops.x[i] * stops.x[i] + stops.y[i] * stops.y[i]; d2 < least)
-                least = d2, nearest = i;
+        const size_t nearest = nearest_stop(first, last);
         if (!free_of(nearest, count)) return;
         for (size_t i = first; i < last; ++i)
             if (i != nearest && !free_of(i, count)) return;
         out_.share[l] = 1;
+    }
+    size_t nearest_stop(size_t first, size_t last) const {
+        size_t nearest = first;
+        float least = 1e38f;
+        for (size_t i = first; i < last; i += lanes) {
+            const VF x = hn::LoadU(f, &s_.stops.x[i]), y = hn::LoadU(f, &s_.stops.y[i]);
+            const VF d2 = hn::IfThenElse(hn::FirstN(f, last - i),
+                                         hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Set(f, 1e38f));
+            const VF here = hn::MinOfLanes(f, d2);
+            if (!(hn::GetLane(here) < least)) continue;
+            least = hn::GetLane(here);
+            nearest = i + size_t(__builtin_ctz(bits_of(f, hn::Eq(d2, here))));
+        }
+        return nearest;
     }
 
     // Whether one of the passes is free of the surface of a stop, and nearer than it.

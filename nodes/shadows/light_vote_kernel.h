@@ -19,32 +19,8 @@ namespace weft::shadows {
 struct LightVoteGrid {
     light_field::Block block;
     Projection projection;
-};
-
-struct LightVoteScratch {
-    LightVoteGrid hits, passes;
-    std::vector<std::uint32_t> first, across, rows;  // light_field::Reach
-    std::vector<std::uint8_t> wanted;                // cells that some receiver looks at
-    // Of receivers: what lies before their planes, and of that what stops their light.
-    struct Places {
-        std::vector<float> x, y, inverse;  // px; 1/w: of what stops, of its plane at the receiver
-        std::vector<std::uint32_t> sample;
-        void grow(size_t n) {
-            if (sample.size() >= n) return;
-            for (auto* values : {&x, &y, &inverse}) values->resize(2 * n);
-            sample.resize(2 * n);
-        }
-    } nearer, stops;
-    // Of a receiver, the passes among `nearer`: where, how deep, how deep they get, how far they
-    // move over the film a unit of 1/w, and how far what bends comes out beside them.
-    struct Passes {
-        std::vector<float> x, y, inverse, end, way_x, way_y, bulge;
-        void grow(size_t n) {
-            if (x.size() >= n) return;
-            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y, &bulge}) values->resize(2 * n);
-        }
-    } passing;
-    // Of entries of the grid of passes.
+    // Of its entries: how their planes rise, 1/w a px, as the light's point sees them; and of
+    // passes, as of LightVoteScratch::Passes.
     struct Traits {
         std::vector<float> rise_x, rise_y, end, way_x, way_y, bulge;
         void grow(size_t n) {
@@ -53,6 +29,29 @@ struct LightVoteScratch {
                 values->resize(2 * n);
         }
     } traits;
+};
+
+struct LightVoteScratch {
+    LightVoteGrid hits, passes;
+    std::vector<std::uint32_t> first, across, rows;  // light_field::Reach
+    std::vector<std::uint8_t> wanted;                // cells that some receiver looks at
+    // What stops the light of receivers: where, and 1/w of its plane at the receiver.
+    struct Places {
+        std::vector<float> x, y, inverse;  // px
+        void grow(size_t n) {
+            if (x.size() >= n) return;
+            for (auto* values : {&x, &y, &inverse}) values->resize(2 * n);
+        }
+    } stops;
+    // Of a receiver, the passes that lie before it: where, how deep, how deep they get, how far they
+    // move over the film a unit of 1/w, and how far what bends comes out beside them.
+    struct Passes {
+        std::vector<float> x, y, inverse, end, way_x, way_y, bulge;
+        void grow(size_t n) {
+            if (x.size() >= n) return;
+            for (auto* values : {&x, &y, &inverse, &end, &way_x, &way_y, &bulge}) values->resize(2 * n);
+        }
+    } passing;
     // Receivers that passes may say something of, and where each one's `stops` begin.
     std::vector<std::uint32_t> open, first_stop;
 };

@@ -25,6 +25,17 @@ void look_from_light(const LightView& view, const ReceiverBatch& r, Locations& a
         if (!shared) u = hn::LoadU(f, &r.u[l]), v = hn::LoadU(f, &r.v[l]);
         const VF x = hn::LoadU(f, &r.x[l]), y = hn::LoadU(f, &r.y[l]), w = hn::LoadU(f, &r.w[l]);
         const auto front = hn::And(hn::Gt(w, zero), hn::FirstN(f, n - l));
+        const auto put = [&](VF value, std::vector<float>& to) HWY_ATTR {
+            if (l + lanes <= n) return hn::StoreU(value, f, &to[l]);
+            alignas(64) float all[lanes];
+            hn::Store(value, f, all);
+            std::copy_n(all, n - l, &to[l]);
+        };
+        if (hn::AllFalse(f, front)) {
+            for (auto* values : {&ask.inverse_depth, &ask.slope_x, &ask.slope_y}) put(zero, *values);
+            if (!at.ratio.empty()) put(one, at.ratio);
+            continue;
+        }
         const VF inverse = hn::Div(one, hn::IfThenElse(front, w, one));
         const auto on_film = [&](VF centre, VF across, VF c0, VF c1, VF point) HWY_ATTR {
             return hn::MulAdd(hn::MulAdd(c0, inverse, c1), point,
@@ -40,12 +51,6 @@ void look_from_light(const LightView& view, const ReceiverBatch& r, Locations& a
             nx, x, hn::MulAdd(ny, y, hn::Mul(hn::LoadU(f, &r.normal_w[l]), w)));
         const auto known = hn::And(in, hn::Gt(hn::Abs(plane), hn::Mul(hn::Set(f, 1e-3f), w)));
         const VF rise = hn::Div(one, hn::IfThenElse(known, hn::Mul(k, plane), one));
-        const auto put = [&](VF value, std::vector<float>& to) HWY_ATTR {
-            if (l + lanes <= n) return hn::StoreU(value, f, &to[l]);
-            alignas(64) float all[lanes];
-            hn::Store(value, f, all);
-            std::copy_n(all, n - l, &to[l]);
-        };
         put(hn::IfThenElseZero(in, inverse), ask.inverse_depth);
         put(hn::IfThenElseZero(known, hn::Mul(nx, rise)), ask.slope_x);
         put(hn::IfThenElseZero(known, hn::Mul(ny, rise)), ask.slope_y);

@@ -93,7 +93,7 @@ struct SoftShadowZReconstruct {
     }
 
   private:
-    static constexpr size_t cached = 8192;
+    static constexpr size_t cached = 32768;
     static void start(const Hierarchy& camera, Scratch& s) {
         if (s.of == &camera) return;
         s.of = &camera;
