@@ -130,41 +130,52 @@ class Looking {
                  right = hn::Sub(x_high, hn::Set(f, r.x_low)),
                  top = hn::Sub(y_low, hn::Set(f, r.y_high)),
                  bottom = hn::Sub(y_high, hn::Set(f, r.y_low));
-        const VF before = hn::Sub(nearest, hn::Set(f, r.far));
-        const VF apart = hn::Max(hn::Abs(before), hn::Abs(hn::Sub(farthest, hn::Set(f, r.near))));
-        const VF across = hn::Mul(hn::Set(f, set_.c0x), apart),
-                 down = hn::Mul(hn::Set(f, set_.c0y), apart);
-        const auto outside = [zero](VF low, VF high, VF by) HWY_ATTR {
-            return hn::Max(zero, hn::Sub(hn::Max(low, hn::Neg(high)), by));
-        };
-        const auto length = [](VF x, VF y)
-                                HWY_ATTR { return hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y))); };
-        VF away = length(outside(left, right, across), outside(top, bottom, down));
-        if (set_.round)
-            away = hn::Max(away, hn::Sub(length(outside(left, right, zero), outside(top, bottom, zero)),
-                                         hn::Max(across, down)));
-        const VF radius = hn::Set(f, r.radius), search = hn::Set(f, set_.search);
         // How much nearer than its plane.
+        const VF before = hn::Sub(nearest, hn::Set(f, r.far));
         const VF slope_x = hn::Set(f, r.slope_x), slope_y = hn::Set(f, r.slope_y);
         const VF plane = hn::Add(hn::Min(hn::Mul(slope_x, left), hn::Mul(slope_x, right)),
                                  hn::Min(hn::Mul(slope_y, top), hn::Mul(slope_y, bottom)));
-        const VF need = hn::Mul(hn::Set(f, r.turn * r.far),
-                                hn::MulAdd(hn::Set(f, set_.px), away, hn::Set(f, set_.bias)));
-        const auto nearer = hn::Gt(hn::Sub(before, plane), need);
-        const auto stands = hn::And(hn::And(there, nearer), hn::Lt(away, radius));
+        const VF nearer = hn::Sub(before, plane);
+        const auto needed = [&](VF away) HWY_ATTR {
+            return hn::Mul(hn::Set(f, r.turn * r.far),
+                           hn::MulAdd(hn::Set(f, set_.px), away, hn::Set(f, set_.bias)));
+        };
+        // Most of what is not far is of the receiver's own surface, and does not stand before it
+        // wherever it is.
         const auto anywhere = hn::AndNot(always, there);
-        if (hn::AllFalse(f, hn::Or(stands, anywhere))) {
+        const bool may_stop = !hn::AllFalse(
+            f, hn::Or(anywhere, hn::And(there, hn::Gt(nearer, needed(zero)))));
+        if (!may_stop && out.near) return;
+
+        const VF apart = hn::Max(hn::Abs(before), hn::Abs(hn::Sub(farthest, hn::Set(f, r.near))));
+        const VF across = hn::Mul(hn::Set(f, set_.c0x), apart),
+                 down = hn::Mul(hn::Set(f, set_.c0y), apart);
+        const auto length = [](VF x, VF y)
+                                HWY_ATTR { return hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y))); };
+        const VF radius = hn::Set(f, r.radius), search = hn::Set(f, set_.search);
+        if (may_stop) {
+            const auto outside = [zero](VF low, VF high, VF by) HWY_ATTR {
+                return hn::Max(zero, hn::Sub(hn::Max(low, hn::Neg(high)), by));
+            };
+            VF away = length(outside(left, right, across), outside(top, bottom, down));
+            if (set_.round)
+                away = hn::Max(away, hn::Sub(length(outside(left, right, zero),
+                                                    outside(top, bottom, zero)),
+                                             hn::Max(across, down)));
+            const auto stands = hn::And(hn::And(there, hn::Gt(nearer, needed(away))),
+                                        hn::Lt(away, radius));
+            if (!hn::AllFalse(f, hn::Or(stands, anywhere))) {
+                out.passed = true;
+                out.stopped |= !hn::AllFalse(
+                    f, hn::Or(anywhere, hn::And(stands, hn::Lt(away, hn::Mul(radius, search)))));
+            }
             if (out.near) return;
-        } else {
-            out.passed = true;
-            out.stopped |= !hn::AllFalse(
-                f, hn::Or(anywhere, hn::And(stands, hn::Lt(away, hn::Mul(radius, search)))));
         }
         const auto farthest_away = [](VF low, VF high, VF by)
                                        HWY_ATTR { return hn::Add(hn::Max(hn::Neg(low), high), by); };
         const VF most = length(farthest_away(left, right, across), farthest_away(top, bottom, down));
         const auto within = hn::Lt(most, hn::Mul(radius, hn::Set(f, set_.search * set_.sure)));
-        out.near |= !hn::AllFalse(f, hn::And(always, within));
+        out.near = !hn::AllFalse(f, hn::And(always, within));
     }
 
     const Hierarchy& h_;
