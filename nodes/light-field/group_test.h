@@ -13,16 +13,21 @@ struct GroupTest {
         : lens_x(hn::Set(f, u * h.lens.aspect)), lens_y(hn::Set(f, v)), time(hn::Set(f, d)),
           left(hn::Set(f, x0)), right(hn::Set(f, x1)), top(hn::Set(f, y0)), bottom(hn::Set(f, y1)) {}
 
+    struct Bounds {
+        VF left, right, top, bottom;
+    };
     // Of groups i, i + 1, ...
-    HWY_INLINE auto operator()(const Block& block, size_t i) const {
+    HWY_INLINE Bounds bounds(const Block& block, size_t i) const {
         const VF slope = hn::LoadU(f, &block.slope[i]);
         const VF x = hn::MulAdd(slope, lens_x, hn::Mul(hn::LoadU(f, &block.velocity_x[i]), time));
         const VF y = hn::MulAdd(slope, lens_y, hn::Mul(hn::LoadU(f, &block.velocity_y[i]), time));
-        const auto in_x = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.x_low[i]), x), right),
-                                  hn::Ge(hn::Add(hn::LoadU(f, &block.x_high[i]), x), left));
-        const auto in_y = hn::And(hn::Le(hn::Add(hn::LoadU(f, &block.y_low[i]), y), bottom),
-                                  hn::Ge(hn::Add(hn::LoadU(f, &block.y_high[i]), y), top));
-        return hn::And(in_x, in_y);
+        return {hn::Add(hn::LoadU(f, &block.x_low[i]), x), hn::Add(hn::LoadU(f, &block.x_high[i]), x),
+                hn::Add(hn::LoadU(f, &block.y_low[i]), y), hn::Add(hn::LoadU(f, &block.y_high[i]), y)};
+    }
+    HWY_INLINE auto operator()(const Block& block, size_t i) const {
+        const Bounds at = bounds(block, i);
+        return hn::And(hn::And(hn::Le(at.left, right), hn::Ge(at.right, left)),
+                       hn::And(hn::Le(at.top, bottom), hn::Ge(at.bottom, top)));
     }
 };
 

@@ -113,14 +113,20 @@ struct SeeScratch {
     }
 };
 
-// project_depths: onto a grid that is there already (lay_grid), samples of cells that are `wanted` alone (a byte a
-// cell, as numbered by Projection::start; three more may be read); Projection::Entry::traits is 1/w.
+// Cells of a projection's grid, some of which are asked for.
+struct WantedCells {
+    std::vector<std::uint8_t> cells;  // not 0 where one is, as numbered by Projection::start; seven more may be read
+    std::vector<std::int32_t> sums;   // how many blocks of cells before are asked for (project_kernel.cpp)
+};
+
+// project_depths: onto a grid that is there already (lay_grid), samples of cells that are wanted alone;
+// Projection::Entry::traits is 1/w.
 #define WEFT_LIGHT_FIELD_KERNELS(isa)                                                                       \
     namespace isa {                                                                                         \
     void project(const Hierarchy& hierarchy, Block& block, float u, float v, float t, bool colors,          \
                  Projection& out);                                                                          \
-    void project_depths(const Hierarchy& hierarchy, Block& block, const std::uint8_t* wanted, float u,      \
-                        float v, float t, Projection& out);                                                 \
+    void project_depths(const Hierarchy& hierarchy, Block& block, WantedCells& wanted, float u, float v,    \
+                        float t, Projection& out);                                                          \
     void gather(const Projection& projection, const Locations& locations, float radius, Candidates& out);   \
     void gather_each(const Hierarchy& hierarchy, Block& block, const Locations& locations, float radius,    \
                      Candidates& out);                                                                      \

@@ -1,6 +1,8 @@
 // Carries a block's samples to one (u, v, t) and sorts them into a grid.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <optional>
 
 #include "light-field/group_test.h"
 #include "light-field/kernels.h"
@@ -10,13 +12,81 @@
 namespace weft::light_field::WEFT_ISA {
 namespace {
 
-// The groups whose bounds at (u, v, t) touch the grid.
+// Whether rectangles hold cells that are wanted, by blocks of cells: how many of these are, of all up
+// to some column and row.
+class WantedBlocks {
+  public:
+    WantedBlocks(const Projection& p, WantedCells& wanted)
+        : sums_(wanted.sums),
+          pitch_((p.columns + wide - 1) / wide + 1),
+          per_width_(hn::Set(f, 1.0f / p.cell_width)),
+          per_height_(hn::Set(f, 1.0f / p.cell_height)),
+          column0_(hn::Set(f, float(p.column0))),
+          row0_(hn::Set(f, float(p.row0))),
+          last_column_(hn::Set(f, float(p.columns - 1))),
+          last_row_(hn::Set(f, float(p.rows - 1))) {
+        static_assert(wide == sizeof(std::uint32_t));
+        const int rows = (p.rows + high - 1) / high;
+        sums_.assign(size_t(rows + 1) * size_t(pitch_), 0);
+        for (int row = 0; row < rows; ++row) {
+            const std::int32_t* before = &sums_[size_t(row) * size_t(pitch_)];
+            std::int32_t *here = &sums_[size_t(row + 1) * size_t(pitch_)], count = 0;
+            const int last = std::min(row * high + high, p.rows);
+            for (int column = 1; column < pitch_; ++column) {
+                std::uint32_t any = 0;
+                for (int r = row * high; r < last; ++r) {
+                    std::uint32_t some;
+                    std::memcpy(&some, &wanted.cells[size_t(r) * size_t(p.columns + 1) +
+                                                     size_t((column - 1) * wide)], sizeof(some));
+                    any |= some;
+                }
+                here[column] = before[column] + (count += any != 0);
+            }
+        }
+    }
+    HWY_INLINE auto operator()(VF left, VF right, VF top, VF bottom) const {
+        const VI pitch = hn::Set(sn, pitch_), one = hn::Set(sn, 1);
+        const auto block = [](VF at, VF per_cell, VF first, VF last, auto each) HWY_ATTR {
+            const VF cell = hn::Sub(hn::Floor(hn::Mul(at, per_cell)), first);
+            return hn::ShiftRight<each()>(
+                hn::ConvertTo(sn, hn::Max(hn::Zero(f), hn::Min(cell, last))));
+        };
+        const auto column = [&](VF at) HWY_ATTR {
+            return block(at, per_width_, column0_, last_column_, std::integral_constant<int, 2>());
+        };
+        const auto row = [&](VF at) HWY_ATTR {
+            return hn::Mul(pitch, block(at, per_height_, row0_, last_row_,
+                                        std::integral_constant<int, 1>()));
+        };
+        const auto before = [&](VI in_row, VI in_column) HWY_ATTR {
+            return hn::GatherIndex(sn, sums_.data(), hn::Add(in_row, in_column));
+        };
+        const VI x0 = column(left), x1 = hn::Add(column(right), one), y0 = row(top),
+                 y1 = hn::Add(row(bottom), pitch);
+        return hn::RebindMask(f, hn::Ne(hn::Sub(before(y1, x1), before(y1, x0)),
+                                        hn::Sub(before(y0, x1), before(y0, x0))));
+    }
+
+  private:
+    static constexpr int wide = 4, high = 2;  // cells
+    std::vector<std::int32_t>& sums_;
+    const int pitch_;
+    const VF per_width_, per_height_, column0_, row0_, last_column_, last_row_;
+};
+
+// The groups whose bounds at (u, v, t) touch the grid, and of it cells that are wanted, if given.
 size_t find_groups(const Hierarchy& h, Block& block, float u, float v, float d, float x0, float x1,
-                   float y0, float y1) {
+                   float y0, float y1, const WantedBlocks* wanted) {
     const GroupTest test(h, u, v, d, x0, x1, y0, y1);
     size_t found = 0;
     for (size_t i = 0; i < block.groups; i += lanes) {
-        const Pack pack(test(block, i));
+        auto in = test(block, i);
+        if (hn::AllFalse(f, in)) continue;
+        if (wanted) {
+            const auto at = test.bounds(block, i);
+            in = hn::And(in, (*wanted)(at.left, at.right, at.top, at.bottom));
+        }
+        const Pack pack(in);
         pack.store(hn::LoadU(un, &block.group[i]), &block.seen[found]);
         found += pack.count;
     }
@@ -227,23 +297,26 @@ void sort_into_cells(const Hierarchy& h, Block& block, Projection& out) {
 
 // `depths`: of samples in wanted cells, 1/w in the place of traits.
 template <bool depths>
-void project_onto_grid(const Hierarchy& h, Block& block, const std::uint8_t* wanted, float u,
-                       float v, float t, Projection& out) {
+void project_onto_grid(const Hierarchy& h, Block& block, WantedCells* wanted, float u, float v,
+                       float t, Projection& out) {
     out.u = u;
     out.v = v;
     out.t = t;
     const float d = t - 0.5f;
+    std::optional<WantedBlocks> blocks;
+    if constexpr (depths) blocks.emplace(out, *wanted);
     const size_t groups = find_groups(h, block, u, v, d, float(out.column0) * out.cell_width,
                                       float(out.column0 + out.columns) * out.cell_width,
                                       float(out.row0) * out.cell_height,
-                                      float(out.row0 + out.rows) * out.cell_height);
+                                      float(out.row0 + out.rows) * out.cell_height,
+                                      depths ? &*blocks : nullptr);
     const size_t most = groups * Hierarchy::group_size + lanes;
     if (block.x.size() < most) {
         block.x.resize(most);
         block.y.resize(most);
         for (auto* values : {&block.cell, &block.sample, &block.traits}) values->resize(most);
     }
-    project_groups<depths>(h, block, groups, wanted, u, v, d, out);
+    project_groups<depths>(h, block, groups, depths ? wanted->cells.data() : nullptr, u, v, d, out);
     sort_into_cells(h, block, out);
 }
 
@@ -258,10 +331,10 @@ void project(const Hierarchy& h, Block& block, float u, float v, float t, bool c
     project_onto_grid<false>(h, block, nullptr, u, v, t, out);
 }
 
-void project_depths(const Hierarchy& h, Block& block, const std::uint8_t* wanted, float u, float v,
+void project_depths(const Hierarchy& h, Block& block, WantedCells& wanted, float u, float v,
                     float t, Projection& out) {
     out.colored = false;
-    project_onto_grid<true>(h, block, wanted, u, v, t, out);
+    project_onto_grid<true>(h, block, &wanted, u, v, t, out);
 }
 
 }  // namespace weft::light_field::WEFT_ISA

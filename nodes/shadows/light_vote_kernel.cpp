@@ -101,15 +101,14 @@ class Voting {
     // Carries the samples to the batch's point and time that open locations look at.
     void project(const Hierarchy& h, LightVoteGrid& grid) {
         Projection& p = grid.projection;
-        s_.wanted.assign(pitch_ * size_t(p.rows) + 4, 0);
+        s_.wanted.cells.assign(pitch_ * size_t(p.rows) + 8, 0);
         for (const std::uint32_t l : s_.open) {
-            std::uint8_t* row = s_.wanted.data() + s_.first[l];
+            std::uint8_t* row = s_.wanted.cells.data() + s_.first[l];
             for (size_t r = 0; r < s_.rows[l]; ++r, row += pitch_) mark(row, s_.across[l]);
         }
         collect(h, reach_ + 2 * cell_, grid.block);
         p.hierarchy = &h;
-        light_field::WEFT_ISA::project_depths(h, grid.block, s_.wanted.data(), lx_, ly_, at_.t[0],
-                                              p);
+        light_field::WEFT_ISA::project_depths(h, grid.block, s_.wanted, lx_, ly_, at_.t[0], p);
     }
 
     // The groups that may be seen around the batch. Other slices of the same pixels look at about

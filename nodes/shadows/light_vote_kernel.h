@@ -34,7 +34,7 @@ struct LightVoteGrid {
 struct LightVoteScratch {
     LightVoteGrid hits, passes;
     std::vector<std::uint32_t> first, across, rows;  // light_field::Reach
-    std::vector<std::uint8_t> wanted;                // cells that some receiver looks at
+    light_field::WantedCells wanted;                 // that some receiver looks at
     // What stops the light of receivers: where, and 1/w of its plane at the receiver.
     struct Places {
         std::vector<float> x, y, inverse;  // px
