@@ -30,8 +30,8 @@ struct OutputLocations {
         node.about("points (x, y, u, v, t) to reconstruct, slice by slice of one common (u, v, t)")
             .in<Hierarchy>("hierarchy", "gives the picture's size, lens and shutter",
                            Need::optional)
-            .in<Samples>("samples", "gives them where there is no hierarchy", Need::optional)
-            .in<Samples>("shadows", "light samples whose shadows are looked for at the locations' times: what moves among them counts for `spacing`", Need::optional)
+            .in<Samples>("samples", "gives them where there is no hierarchy, and tells where shadows fall", Need::optional)
+            .in<Samples>("shadows", "light samples whose shadows are looked for at the locations' times: what moves among them counts for `spacing` where it stops rays to `samples`, or everywhere without these", Need::optional)
             .out<Locations>("locations", "those of one tile, one slice a batch")
             .param("per-pixel", &OutputLocations::per_pixel, {.min = 1, .max = 1 << 20, .about = "locations a pixel"})
             .param("per-slice", &OutputLocations::per_slice,
@@ -60,7 +60,7 @@ struct OutputLocations {
         std::vector<light_field::LensPoint> points[levels];  // slice by slice, set by set
         std::vector<std::uint32_t> scramble_x, scramble_y;   // of the tile's pixels
         std::vector<int> level;                              // of the tile's blocks, row by row
-        float shadow_path = -1;                              // px: the longest of what casts shadows; < 0: not known yet
+        std::vector<float> shadow_paths;                     // px, of the picture's blocks: the longest of what casts shadows
         std::vector<std::uint32_t> groups;
         Tile of;
         bool filled = false;
@@ -100,32 +100,51 @@ struct OutputLocations {
 
     // The highest level whose slices, spread evenly over lens and shutter, show what is seen in a block, as a rule, at
     // places at most `spacing` apart (the few that are more out of focus err like noise): what the lens spreads over a disk, motion spreads along a line.
-    // Where a shadow falls is not known, so the longest path of all that may cast one counts everywhere.
+    // Of shadows that fall there the longest path counts: how much of them moves is not known.
     int level_of(const Hierarchy& h, int x, int y, Scratch& scratch) const {
         const auto blur = light_field::mean_blur(h, x, y, std::min(x + block, h.width), std::min(y + block, h.height), scratch.groups);
         const double disk = lens == Choice::sampled ? 1 + double(blur.lens / spacing) : 1,
-                     path = time == Choice::sampled ? double(std::max(blur.path, scratch.shadow_path) / spacing) : 0;
+                     path = time == Choice::sampled ? double(std::max(blur.path, shadow_path(h, x, y, scratch)) / spacing) : 0;
         int level = 0;
         while (level + 1 < levels && each(level) < size_t(per_pixel) && double(slices(level + 1)) >= disk * (disk + path)) ++level;
         return level;
     }
 
-    // px of the light's film, which are about those of the picture.
-    static float longest_path(const Samples* shadows) {
-        if (!shadows || !shadows->has_motion()) return 0;
-        const auto xy = shadows->xy(), z = shadows->z(), motion = shadows->motion();
-        float most = 0;
-        for (size_t i = 0; i < shadows->size(); ++i) {
+    static float shadow_path(const Hierarchy& h, int x, int y, const Scratch& scratch) {
+        if (scratch.shadow_paths.empty()) return 0;
+        return scratch.shadow_paths[size_t(y / block) * size_t(blocks_in(h.width)) + size_t(x / block)];
+    }
+    static int blocks_in(int pixels) { return (pixels + block - 1) / block; }
+
+    // A shadow moves over a block as far as what stops the rays to some of its samples does. In px of
+    // the light's film, which are about those of the picture.
+    static void find_shadow_paths(const Hierarchy& h, const Samples& shadows, const Samples* samples, std::vector<float>& paths) {
+        const int columns = blocks_in(h.width), rows = blocks_in(h.height);
+        paths.assign(size_t(columns) * size_t(rows), 0);
+        if (!shadows.has_motion()) return;
+        const Channel* source = samples ? shadows.find("source") : nullptr;
+        const auto xy = shadows.xy(), z = shadows.z(), motion = shadows.motion();
+        const auto seen = source ? samples->xy() : xy;
+        float longest = 0;
+        for (size_t i = 0; i < shadows.size(); ++i) {
             const float x = motion[3 * i] - xy[2 * i] * motion[3 * i + 2],
                         y = motion[3 * i + 1] - xy[2 * i + 1] * motion[3 * i + 2];
-            most = std::max(most, (x * x + y * y) / (z[i] * z[i]));
+            const float path = std::sqrt(x * x + y * y) / z[i];
+            longest = std::max(longest, path);
+            if (!source) continue;
+            const size_t from = 2 * size_t(source->ids[i]);
+            const auto part = [](float at, int count) { return size_t(std::clamp(int(at) / block, 0, count - 1)); };
+            float& here = paths[part(seen[from + 1], rows) * size_t(columns) + part(seen[from], columns)];
+            here = std::max(here, path);
         }
-        return std::sqrt(most);
+        if (!source) std::fill(paths.begin(), paths.end(), longest);
     }
 
     void begin_tile(const Inputs& in, Scratch& scratch) const {
         const Tile& tile = in.tile();
-        if (spacing > 0 && scratch.shadow_path < 0) scratch.shadow_path = longest_path(in.find<Samples>("shadows"));
+        const Hierarchy* h = spacing > 0 ? in.find<Hierarchy>("hierarchy") : nullptr;
+        if (const Samples* shadows = in.find<Samples>("shadows"); h && shadows && scratch.shadow_paths.empty())
+            find_shadow_paths(*h, *shadows, in.find<Samples>("samples"), scratch.shadow_paths);
         scratch.scramble_x.clear();
         scratch.scramble_y.clear();
         for (int y = tile.y0; y < tile.y1; ++y)
@@ -134,7 +153,6 @@ struct OutputLocations {
                 scratch.scramble_x.push_back(std::uint32_t(scramble));
                 scratch.scramble_y.push_back(std::uint32_t(scramble >> 32));
             }
-        const Hierarchy* h = spacing > 0 ? in.find<Hierarchy>("hierarchy") : nullptr;
         scratch.level.clear();
         for (int y = tile.y0 / block * block; y < tile.y1; y += block)
             for (int x = tile.x0 / block * block; x < tile.x1; x += block)
@@ -210,7 +228,7 @@ struct OutputLocations {
     }
 };
 
-WEFT_NODE(OutputLocations, "output-locations", 2)
+WEFT_NODE(OutputLocations, "output-locations", 3)
 
 }  // namespace
 }  // namespace weft
