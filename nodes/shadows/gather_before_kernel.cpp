@@ -71,8 +71,10 @@ void gather_before(const Hierarchy& h, const light_field::Block& block,
                 for (size_t j = begin; j < begin + Hierarchy::group_size; j += lanes) {
                     const At place(h, j, u, v, d);
                     const VF dx = hn::Sub(place.x, px), dy = hn::Sub(place.y, py);
-                    const auto in = hn::And(hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit),
-                                            hn::Gt(place.W, zero));
+                    const auto near = hn::And(hn::Lt(hn::MulAdd(dx, dx, hn::Mul(dy, dy)), limit),
+                                              hn::Gt(place.W, zero));
+                    // (Most of it is of the surface that the ray ends at.)
+                    const auto in = hn::And(near, from.nearer(seen, dx, dy, place.inverse));
                     if (hn::AllFalse(f, in)) continue;
                     // (The last group's planes end with its samples.)
                     const size_t last = planes ? h.plane_x.size() - std::min(j, h.plane_x.size()) : 0;

@@ -33,7 +33,6 @@ class Voting {
           passes_(passes),
           at_(at),
           queries_(queries),
-          bias_(bias),
           planes_(view, at.u[0], at.v[0], bias),
           s_(scratch),
           out_(out) {
@@ -144,8 +143,6 @@ class Voting {
                     radius = hits_.radius * ratio;
         const VF limit = hn::Set(f, radius * radius), x = hn::Set(f, at_.x[l]),
                  y = hn::Set(f, at_.y[l]);
-        const VF plane = hn::Set(f, r.inverse + bias_ * r.inverse),
-                 rise_x = hn::Set(f, r.slope.x), rise_y = hn::Set(f, r.slope.y);
         const size_t across = s_.across[l];
         const std::uint32_t* row = p.start.data() + s_.first[l];
         const std::uint32_t* last = row + s_.rows[l] * pitch_;
@@ -158,8 +155,7 @@ class Voting {
                 const auto in = hn::Lt(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), limit);
                 near += hn::CountTrue(f, in);
                 const VF depth = hn::BitCast(f, entry.traits());
-                const VF here = hn::Add(plane, hn::Add(hn::Mul(rise_x, dx), hn::Mul(rise_y, dy)));
-                const auto nearer = hn::And(in, hn::Lt(here, depth));
+                const auto nearer = hn::And(in, planes_.nearer(r, dx, dy, depth));
                 if (hn::AllFalse(f, nearer)) continue;
                 work(i, dx, dy, depth, nearer);
             }
@@ -341,7 +337,6 @@ class Voting {
     const Hierarchy &hits_, &passes_;
     const Locations& at_;
     const ShadowQueries& queries_;
-    const float bias_;
     const PlaneVectors planes_;
     LightVoteScratch& s_;
     LightShares& out_;

@@ -17,18 +17,21 @@ void LightBounds::resize(size_t n) {
     group.resize(n + spare);
 }
 
-LightBoundsLevels bounds_of(const Hierarchy& h) {
-    LightBoundsLevels out;
+std::vector<LightBounds> bounds_of(const Hierarchy& h) {
     const auto add = [](LightBounds& to, size_t i, float x0, float x1, float y0, float y1, float nearest) {
         to.x_low[i] = std::min(to.x_low[i], x0), to.x_high[i] = std::max(to.x_high[i], x1);
         to.y_low[i] = std::min(to.y_low[i], y0), to.y_high[i] = std::max(to.y_high[i], y1);
         to.nearest[i] = std::max(to.nearest[i], nearest);
     };
-    LightBounds &groups = out.groups, &blocks = out.blocks;
-    groups.size = h.groups.size();
-    blocks.size = (groups.size + Hierarchy::fan_out - 1) / Hierarchy::fan_out;
-    groups.resize(groups.size), blocks.resize(blocks.size);
-    for (size_t g = 0; g < groups.size; ++g) {
+    // Whole blocks of the level above may be read.
+    const auto make = [](size_t size) {
+        LightBounds level;
+        level.size = size;
+        level.resize(size + Hierarchy::fan_out);
+        return level;
+    };
+    std::vector<LightBounds> levels{make(h.groups.size())};
+    for (size_t g = 0; g < levels[0].size; ++g) {
         const size_t begin = g * Hierarchy::group_size,
                      end = std::min(begin + Hierarchy::group_size, h.size());
         for (size_t s = begin; s < end; ++s) {
@@ -37,17 +40,24 @@ LightBoundsLevels bounds_of(const Hierarchy& h) {
                 const float W = h.W[s] + d * v.w;
                 // (What the light's plane passes may be anywhere.)
                 if (!(W > 0)) {
-                    add(groups, g, -1e30f, 1e30f, -1e30f, 1e30f, 1e30f);
+                    add(levels[0], g, -1e30f, 1e30f, -1e30f, 1e30f, 1e30f);
                     continue;
                 }
                 const float x = (h.X[s] + d * v.x) / W, y = (h.Y[s] + d * v.y) / W;
-                add(groups, g, x, x, y, y, 1 / W);
+                add(levels[0], g, x, x, y, y, 1 / W);
             }
         }
-        add(blocks, g / Hierarchy::fan_out, groups.x_low[g], groups.x_high[g], groups.y_low[g],
-            groups.y_high[g], groups.nearest[g]);
     }
-    return out;
+    constexpr size_t few = 64;
+    do {
+        const LightBounds& below = levels.back();
+        LightBounds above = make((below.size + Hierarchy::fan_out - 1) / Hierarchy::fan_out);
+        for (size_t i = 0; i < below.size; ++i)
+            add(above, i / Hierarchy::fan_out, below.x_low[i], below.x_high[i], below.y_low[i],
+                below.y_high[i], below.nearest[i]);
+        levels.push_back(std::move(above));
+    } while (levels.back().size > few);
+    return levels;
 }
 
 }  // namespace shadows
@@ -104,7 +114,7 @@ struct LitReceivers {
   private:
     void find(const Hierarchy& hits, const Hierarchy& camera, const Receivers& receivers,
               const LightView& view, std::vector<float>& lit, Context& ctx) const {
-        const LightBoundsLevels bounds = bounds_of(hits);
+        const std::vector<LightBounds> levels = bounds_of(hits);
         LitSettings set;
         set.c0x = std::abs(hits.lens.c0 * hits.lens.aspect), set.c0y = std::abs(hits.lens.c0);
         set.round = view.shape == LightView::Shape::disc;
@@ -129,7 +139,7 @@ struct LitReceivers {
                     n += as_still(r, view, set, farthest * hits.radius, still[n]);
                 }
                 WEFT_PICK(find_lit)
-                (hits, bounds, set, std::span(still).first(n), scratch, found.data());
+                (hits, levels, set, std::span(still).first(n), scratch, found.data());
                 for (size_t i = 0; i < n; ++i)
                     lit[sample[i]] = found[i] == 0 ? 0 : found[i] == 1 ? search : farthest;
             }

@@ -60,25 +60,34 @@ StillReceiver around(std::span<const StillReceiver> receivers) {
 }
 
 // The groups that may come near.
-void collect(const LightBoundsLevels& bounds, const NearTest& test, LightBounds& found) {
-    const LightBounds& groups = bounds.groups;
+void collect(std::span<const LightBounds> levels, const NearTest& test, LitScratch& scratch) {
+    auto &open = scratch.open, &below = scratch.below;
+    const LightBounds &top = levels.back(), &groups = levels[0];
+    open.clear();
+    for (size_t i = 0; i < top.size; i += lanes)
+        for (unsigned bits = bits_of(f, test(top, i)); bits; bits &= bits - 1)
+            open.push_back(std::uint32_t(i) + std::uint32_t(__builtin_ctz(bits)));
+    for (size_t level = levels.size() - 2; level > 0; --level, std::swap(open, below)) {
+        below.clear();
+        for (const std::uint32_t of : open)
+            for (size_t i = of * Hierarchy::fan_out; i < (of + 1) * Hierarchy::fan_out; i += lanes)
+                for (unsigned bits = bits_of(f, test(levels[level], i)); bits; bits &= bits - 1)
+                    below.push_back(std::uint32_t(i) + std::uint32_t(__builtin_ctz(bits)));
+    }
+    LightBounds& found = scratch.near;
+    const size_t most = open.size() * Hierarchy::fan_out;
+    if (found.x_low.size() < most + LightBounds::spare) found.resize(2 * most);
     size_t n = 0;
-    for (size_t i = 0; i < bounds.blocks.size; i += lanes)
-        for (unsigned bits = bits_of(f, test(bounds.blocks, i)); bits; bits &= bits - 1) {
-            const size_t begin = (i + size_t(__builtin_ctz(bits))) * Hierarchy::fan_out,
-                         end = std::min(begin + Hierarchy::fan_out, groups.size);
-            if (found.x_low.size() < n + 2 * Hierarchy::fan_out + LightBounds::spare)
-                found.resize(2 * (n + 2 * Hierarchy::fan_out));
-            for (size_t g = begin; g < end; g += lanes) {
-                const Pack pack(test(groups, g));
-                const auto keep = [&](const std::vector<float>& from, std::vector<float>& to)
-                                      HWY_ATTR { pack.store(hn::LoadU(f, &from[g]), &to[n]); };
-                keep(groups.x_low, found.x_low), keep(groups.x_high, found.x_high);
-                keep(groups.y_low, found.y_low), keep(groups.y_high, found.y_high);
-                keep(groups.nearest, found.nearest);
-                pack.store(numbers_from(std::uint32_t(g)), &found.group[n]);
-                n += pack.count;
-            }
+    for (const std::uint32_t of : open)
+        for (size_t g = of * Hierarchy::fan_out; g < (of + 1) * Hierarchy::fan_out; g += lanes) {
+            const Pack pack(test(groups, g));
+            const auto keep = [&](const std::vector<float>& from, std::vector<float>& to)
+                                  HWY_ATTR { pack.store(hn::LoadU(f, &from[g]), &to[n]); };
+            keep(groups.x_low, found.x_low), keep(groups.x_high, found.x_high);
+            keep(groups.y_low, found.y_low), keep(groups.y_high, found.y_high);
+            keep(groups.nearest, found.nearest);
+            pack.store(numbers_from(std::uint32_t(g)), &found.group[n]);
+            n += pack.count;
         }
     found.size = n;
 }
@@ -184,10 +193,10 @@ class Looking {
 
 }  // namespace
 
-void find_lit(const Hierarchy& hits, const LightBoundsLevels& bounds, const LitSettings& set,
+void find_lit(const Hierarchy& hits, std::span<const LightBounds> levels, const LitSettings& set,
               std::span<const StillReceiver> receivers, LitScratch& scratch, std::uint8_t* lit) {
     if (receivers.empty()) return;
-    collect(bounds, NearTest(set, around(receivers)), scratch.near);
+    collect(levels, NearTest(set, around(receivers)), scratch);
     const LightBounds& near = scratch.near;
     const Looking looking(hits, set);
     for (size_t k = 0; k < receivers.size(); ++k) {

@@ -25,11 +25,9 @@ struct LightBounds {
     static constexpr size_t spare = 16;
 };
 
-// The hierarchy's own groups, and these by `Hierarchy::fan_out`.
-struct LightBoundsLevels {
-    LightBounds groups, blocks;
-};
-LightBoundsLevels bounds_of(const Hierarchy& hits);
+// The hierarchy's own groups, and level by level these by `Hierarchy::fan_out`: two levels at least,
+// the last of some vectors.
+std::vector<LightBounds> bounds_of(const Hierarchy& hits);
 
 // A receiver that stands still, as the middle of the light sees it.
 struct StillReceiver {
@@ -52,13 +50,14 @@ struct LitSettings {
 
 struct LitScratch {
     LightBounds near;
+    std::vector<std::uint32_t> open, below;  // of levels above the groups
 };
 
 #define WEFT_LIT_RECEIVERS_KERNELS(isa)                                                          \
     namespace isa {                                                                              \
     /* 0, or 1 where nothing comes within `search`, or 2 where nothing comes within the radius. */ \
     /* Receivers of a call should be neighbours. */                                              \
-    void find_lit(const Hierarchy& hits, const LightBoundsLevels& bounds, const LitSettings& set, \
+    void find_lit(const Hierarchy& hits, std::span<const LightBounds> levels, const LitSettings& set, \
                   std::span<const StillReceiver> receivers, LitScratch& scratch,                 \
                   std::uint8_t* lit);                                                            \
     }

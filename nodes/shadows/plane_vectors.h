@@ -43,6 +43,14 @@ class PlaneVectors {
                       beside(s.dx, s.dy, s.inverse, rise.x, rise.y));
     }
 
+    // Which are nearer to the light than the receiver's plane: all that stand before it are.
+    HWY_INLINE hn::Mask<F> nearer(const Seen& receiver, VF dx, VF dy, VF inverse) const {
+        const VF plane = hn::Set(f, receiver.inverse + bias_ * receiver.inverse),
+                 rise = hn::Add(hn::Mul(hn::Set(f, receiver.slope.x), dx),
+                                hn::Mul(hn::Set(f, receiver.slope.y), dy));
+        return hn::Lt(hn::Add(plane, rise), inverse);
+    }
+
     // Planes::own: slopes of 1/w as the light's point sees them.
     struct Rise {
         VF x, y;

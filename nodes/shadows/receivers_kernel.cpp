@@ -66,8 +66,10 @@ void look_from_light(const LightView& view, const ReceiverBatch& r, Locations& a
     float x0 = hn::GetLane(hn::MinOfLanes(f, left)), y0 = hn::GetLane(hn::MinOfLanes(f, top)),
           x1 = hn::GetLane(hn::MaxOfLanes(f, right)), y1 = hn::GetLane(hn::MaxOfLanes(f, bottom));
     if (x1 < x0) x0 = y0 = x1 = y1 = 0;
-    for (size_t l = 0; l < n; ++l)
-        if (ask.inverse_depth[l] == 0) at.x[l] = x0, at.y[l] = y0;
+    for (size_t l = 0; l < n; ++l) {
+        const bool asked = ask.inverse_depth[l] != 0;
+        at.x[l] = asked ? at.x[l] : x0, at.y[l] = asked ? at.y[l] : y0;
+    }
     at.x0 = int(std::floor(x0)), at.y0 = int(std::floor(y0));
     at.x1 = int(std::floor(x1)) + 1, at.y1 = int(std::floor(y1)) + 1;
 }
