@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "image/image.h"
 #include "light-field/mean_blur.h"
 #include "light-field/points.h"
 #include "light-field/streams.h"
@@ -30,8 +31,8 @@ struct OutputLocations {
         node.about("points (x, y, u, v, t) to reconstruct, slice by slice of one common (u, v, t)")
             .in<Hierarchy>("hierarchy", "gives the picture's size, lens and shutter",
                            Need::optional)
-            .in<Samples>("samples", "gives them where there is no hierarchy, and tells where shadows fall", Need::optional)
-            .in<Samples>("shadows", "light samples whose shadows are looked for at the locations' times: what moves among them counts for `spacing` where it stops rays to `samples`, or everywhere without these", Need::optional)
+            .in<Samples>("samples", "gives them where there is no hierarchy", Need::optional)
+            .in<Image>("shadow-paths", "how far shadows move that are looked for at the locations' times: counts for `spacing`", Need::optional)
             .out<Locations>("locations", "those of one tile, one slice a batch")
             .param("per-pixel", &OutputLocations::per_pixel, {.min = 1, .max = 1 << 20, .about = "locations a pixel"})
             .param("per-slice", &OutputLocations::per_slice,
@@ -54,13 +55,12 @@ struct OutputLocations {
 
     // Blocks of pixels, aligned to the picture so that nothing depends on tiles, each share slices as
     // far as their blur allows: of a pixel's locations per-slice times 2^level have one (u, v, t).
-    static constexpr int block = 32, levels = 7;
+    static constexpr int block = light_field::location_block, levels = 7;
 
     struct Scratch {
         std::vector<light_field::LensPoint> points[levels];  // slice by slice, set by set
         std::vector<std::uint32_t> scramble_x, scramble_y;   // of the tile's pixels
         std::vector<int> level;                              // of the tile's blocks, row by row
-        std::vector<float> shadow_paths;                     // px, of the picture's blocks: the longest of what casts shadows
         std::vector<std::uint32_t> groups;
         Tile of;
         bool filled = false;
@@ -101,50 +101,23 @@ struct OutputLocations {
     // The highest level whose slices, spread evenly over lens and shutter, show what is seen in a block, as a rule, at
     // places at most `spacing` apart (the few that are more out of focus err like noise): what the lens spreads over a disk, motion spreads along a line.
     // Of shadows that fall there the longest path counts: how much of them moves is not known.
-    int level_of(const Hierarchy& h, int x, int y, Scratch& scratch) const {
+    // Shadows move by `shadows`, or none do.
+    int level_of(const Hierarchy& h, const Image* shadows, int x, int y, Scratch& scratch) const {
         const auto blur = light_field::mean_blur(h, x, y, std::min(x + block, h.width), std::min(y + block, h.height), scratch.groups);
         const double disk = lens == Choice::sampled ? 1 + double(blur.lens / spacing) : 1,
-                     path = time == Choice::sampled ? double(std::max(blur.path, shadow_path(h, x, y, scratch)) / spacing) : 0;
+                     path = time == Choice::sampled ? double(std::max(blur.path, shadows ? *shadows->at(x / block, y / block) : 0) / spacing) : 0;
         int level = 0;
         while (level + 1 < levels && each(level) < size_t(per_pixel) && double(slices(level + 1)) >= disk * (disk + path)) ++level;
         return level;
     }
 
-    static float shadow_path(const Hierarchy& h, int x, int y, const Scratch& scratch) {
-        if (scratch.shadow_paths.empty()) return 0;
-        return scratch.shadow_paths[size_t(y / block) * size_t(blocks_in(h.width)) + size_t(x / block)];
-    }
-    static int blocks_in(int pixels) { return (pixels + block - 1) / block; }
-
-    // A shadow moves over a block as far as what stops the rays to some of its samples does. In px of
-    // the light's film, which are about those of the picture.
-    static void find_shadow_paths(const Hierarchy& h, const Samples& shadows, const Samples* samples, std::vector<float>& paths) {
-        const int columns = blocks_in(h.width), rows = blocks_in(h.height);
-        paths.assign(size_t(columns) * size_t(rows), 0);
-        if (!shadows.has_motion()) return;
-        const Channel* source = samples ? shadows.find("source") : nullptr;
-        const auto xy = shadows.xy(), z = shadows.z(), motion = shadows.motion();
-        const auto seen = source ? samples->xy() : xy;
-        float longest = 0;
-        for (size_t i = 0; i < shadows.size(); ++i) {
-            const float x = motion[3 * i] - xy[2 * i] * motion[3 * i + 2],
-                        y = motion[3 * i + 1] - xy[2 * i + 1] * motion[3 * i + 2];
-            const float path = std::sqrt(x * x + y * y) / z[i];
-            longest = std::max(longest, path);
-            if (!source) continue;
-            const size_t from = 2 * size_t(source->ids[i]);
-            const auto part = [](float at, int count) { return size_t(std::clamp(int(at) / block, 0, count - 1)); };
-            float& here = paths[part(seen[from + 1], rows) * size_t(columns) + part(seen[from], columns)];
-            here = std::max(here, path);
-        }
-        if (!source) std::fill(paths.begin(), paths.end(), longest);
-    }
-
     void begin_tile(const Inputs& in, Scratch& scratch) const {
         const Tile& tile = in.tile();
         const Hierarchy* h = spacing > 0 ? in.find<Hierarchy>("hierarchy") : nullptr;
-        if (const Samples* shadows = in.find<Samples>("shadows"); h && shadows && scratch.shadow_paths.empty())
-            find_shadow_paths(*h, *shadows, in.find<Samples>("samples"), scratch.shadow_paths);
+        const Image* shadows = in.find<Image>("shadow-paths");
+        using light_field::blocks_across;
+        if (h && shadows && (shadows->width() != blocks_across(h->width) || shadows->height() != blocks_across(h->height) || shadows->channels() != 1))
+            throw Error("'shadow-paths' is not of this picture; expected what node shadow-paths makes of its samples");
         scratch.scramble_x.clear();
         scratch.scramble_y.clear();
         for (int y = tile.y0; y < tile.y1; ++y)
@@ -156,7 +129,7 @@ struct OutputLocations {
         scratch.level.clear();
         for (int y = tile.y0 / block * block; y < tile.y1; y += block)
             for (int x = tile.x0 / block * block; x < tile.x1; x += block)
-                scratch.level.push_back(h ? level_of(*h, x, y, scratch) : 0);
+                scratch.level.push_back(h ? level_of(*h, shadows, x, y, scratch) : 0);
         scratch.of = tile;
         scratch.filled = true;
     }

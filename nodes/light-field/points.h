@@ -15,6 +15,10 @@ namespace weft::light_field {
 
 using weft::on_lens;
 
+// px: blocks of the picture that share slices, aligned to it so that nothing depends on tiles.
+inline constexpr int location_block = 32;
+inline int blocks_across(int pixels) { return (pixels + location_block - 1) / location_block; }
+
 struct LensPoint {
     float u, v, t;
 };

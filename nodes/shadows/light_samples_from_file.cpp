@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "runtime/node.h"
+#include "samples/file_bytes.h"
 #include "shadows/camera_samples.h"
 #include "shadows/light_samples.h"
 
@@ -70,6 +71,9 @@ struct LightSamplesFromFile {
                             "sample shows; expected world positions on the ray from {}",
                             size_t(hits), view.name, points ? "light_point" : "light_uv"));
         warn_of(all_unseen, view, ctx);
+        // What only this node asks for, as a rule.
+        for (const char* channel : {"shadow_hit", "light_point", "light_uv", "shadow_normal", "shadow_motion"})
+            forget_pages(samples.values(channel));
         const double part = all > 0 && hits > 0 ? double(hits) / double(all) : 1;
         out.set("light-samples", std::move(made).take(view, samples, part));
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "runtime/node.h"
+#include "samples/file_bytes.h"
 #include "shadows/light_view.h"
 
 namespace weft {
@@ -43,6 +44,8 @@ struct SeparateLight {
                 }
             }
         });
+        // Nobody else asks for them, as a rule.
+        forget_pages(direct), forget_pages(open);
         Samples left = samples, alone = samples;
         left.add("rgb", 3, std::move(rest));
         alone.add("rgb", 3, std::move(own));

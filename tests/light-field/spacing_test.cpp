@@ -49,9 +49,9 @@ TEST(Spacing, OfWhatIsFixedCountsNothing) {
     EXPECT_NEAR(slices(2.9f, 7, near + R"(, "time": "fixed")"), 16, 1);
 }
 
-// A still picture into which shadows of moving things fall: one light sample in a plane, faster than
-// all others, that stopped a ray to a sample of the left half, if that is told.
-double slices_under(float path, int width, bool told) {
+// A still picture into which shadows of moving things fall: one light sample in a plane, faster than all others,
+// that stopped the ray to a sample of the first pixel.
+double slices_under(float path, int width) {
     const TestFolder folder, lights;
     const Samples still = plane(width, 32, 0, 0);
     Samples light = plane(width, 32, 0, 0);
@@ -60,31 +60,30 @@ double slices_under(float path, int width, bool told) {
     light.add("motion", 3, motion);
     std::vector<std::uint32_t> source(light.size());
     for (size_t i = 0; i < source.size(); ++i) source[i] = std::uint32_t(i);
-    source[70] = 0;  // of the first pixel
+    source[70] = 0;
     light.add_ids("source", source);
     std::string text = tlfr_text(saved(folder, still), R"("per-pixel": 64, "spacing": 1)");
     const std::string in = R"("in": {"hierarchy": "hierarchy"}, "set")";
-    text.replace(text.find(in), in.size(),
-                 R"("in": {"hierarchy": "hierarchy", )" + std::string(told ? R"("samples": "samples", )" : "") + R"("shadows": "light"}, "set")");
+    text.replace(text.find(in), in.size(), R"("in": {"hierarchy": "hierarchy", "shadow-paths": "paths"}, "set")");
     const std::string nodes = R"("nodes": {)";
     text.replace(text.find(nodes), nodes.size(),
-                 nodes + R"("light": {"type": "read-samples", "set": {"file": ")" + saved(lights, light) + R"(", "channels": ["source"]}},)");
+                 nodes + R"("light": {"type": "read-samples", "set": {"file": ")" + saved(lights, light) + R"(", "channels": ["source"]}},
+                     "paths": {"type": "shadow-paths", "in": {"shadows": "light", "samples": "samples"}},)");
     return counted(GraphRun(text), "projected") / double(still.size());
 }
 
 TEST(Spacing, CountsWhatShadowsMove) {
-    EXPECT_NEAR(slices_under(0, 32, false), 1, 0.1);
-    EXPECT_NEAR(slices_under(7, 32, false), 8, 0.1);
-    EXPECT_NEAR(slices_under(40, 32, false), 64, 1);
+    EXPECT_NEAR(slices_under(0, 32), 1, 0.1);
+    EXPECT_NEAR(slices_under(7, 32), 8, 0.1);
+    EXPECT_NEAR(slices_under(40, 32), 64, 1);
 }
 
 TEST(Spacing, CountsShadowsWhereTheyFall) {
     // Two blocks; some samples are near both.
-    const double once = slices_under(0, 64, true);
+    const double once = slices_under(0, 64);
     EXPECT_NEAR(once, 1, 0.15);
-    EXPECT_NEAR(slices_under(7, 64, true) / once, 0.5 * (8 + 1), 0.1);
-    EXPECT_NEAR(slices_under(40, 64, true) / once, 0.5 * (64 + 1), 1);
-    EXPECT_NEAR(slices_under(7, 64, false) / once, 8, 0.1);
+    EXPECT_NEAR(slices_under(7, 64) / once, 0.5 * (8 + 1), 0.1);
+    EXPECT_NEAR(slices_under(40, 64) / once, 0.5 * (64 + 1), 1);
 }
 
 TEST(Spacing, ReconstructsAsManyLocations) {
