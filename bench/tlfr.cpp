@@ -22,9 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/graph.h"
-#include "runtime/registry.h"
-#include "runtime/run.h"
+#include "bench/graph_runs.h"
 #include "samples/analytic_scene.h"
 #include "samples/write_npz.h"
 
@@ -78,19 +76,6 @@ class Cycles {
     double rate_ = 0;
 };
 
-// A folder in memory, for as long as this lives.
-struct Scratch {
-    std::string path;
-    explicit Scratch(const char* of)
-        : path(fmt::format("/dev/shm/bench_tlfr.{}.{}", getpid(), of)) {
-        fs::create_directories(path);
-    }
-    ~Scratch() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-};
-
 struct Setting {
     std::string samples;
     int locations = 128, threads = 2;
@@ -122,18 +107,12 @@ double bytes_handed_on(const StageReport& stage) {
 }
 
 Measured measure(const Setting& set, const std::string& folder, const Cycles& cycles) {
-    LoadOptions load;
-    load.for_run = true;
-    load.overrides.set = {"samples=" + set.samples, fmt::format("locations={}", set.locations),
-                          "out=" + folder + "/out.exr"};
-    const Loaded loaded =
-        load_graph(std::string(WEFT_SOURCE_DIR) + "/graphs/tlfr.json", Registry::instance(), load);
-    if (!loaded.ok()) throw Error(to_text(loaded.findings.at(0)));
-    Monitor monitor;
+    const Graph graph = graph_of("graphs/tlfr.json",
+                                 {"samples=" + set.samples, fmt::format("locations={}", set.locations),
+                                  "out=" + folder + "/out.exr"});
     const double before = cycles.now();
     Measured m;
-    m.result = run_plan(make_plan(loaded.graph), *make_tbb_executor(set.threads), monitor);
-    if (!m.result.ok()) throw Error(m.result.errors.at(0).message);
+    m.result = run(graph, set.threads);
     const double all_cycles = cycles.since(before, m.result.cpu_s);
     const SegmentReport& segment = m.result.segments.at(0);
     for (const StageReport& stage : segment.stages) {
@@ -152,22 +131,12 @@ Measured measure(const Setting& set, const std::string& folder, const Cycles& cy
 // The run whose `value` is the median of `repeat`.
 template <class Value>
 Measured median(const Setting& set, int repeat, const Cycles& cycles, Value&& value) {
-    const Scratch folder("run");
+    const Scratch folder;
     std::vector<Measured> runs;
     for (int i = 0; i < repeat; ++i) runs.push_back(measure(set, folder.path, cycles));
     std::sort(runs.begin(), runs.end(),
               [&](const Measured& a, const Measured& b) { return value(a) < value(b); });
     return std::move(runs[runs.size() / 2]);
-}
-
-void print_nodes(const Measured& m) {
-    const auto one = [&](const StageReport& stage) {
-        const double ns = stage.cpu_s * 1e9 / m.locations;
-        if (ns >= 0.05)
-            fmt::print("    {:48} {:8.1f} ns\n", stage.name + " (" + stage.type + ")", ns);
-    };
-    for (const StageReport& node : m.result.nodes) one(node);
-    for (const StageReport& stage : m.result.segments.at(0).stages) one(stage);
 }
 
 void print_account(const std::vector<std::string>& files, Setting set, int repeat,
@@ -191,28 +160,9 @@ void print_account(const std::vector<std::string>& files, Setting set, int repea
                    (path.parent_path().filename() / path.stem()).string(), spp, m.per_cpu_s(), ns,
                    m.cycles / m.locations, m.bytes / m.locations, m.candidates / m.locations,
                    ns / floor);
-        print_nodes(m);
+        print_nodes(m.result, m.locations);
     }
 }
-
-// One row a value of what is scaled, each four times the one before: CPU seconds of the whole run
-// and of the reconstruction, and how these compare with the first row's, scaled.
-struct Series {
-    const char* what;
-    double cpu_s = 0, segment_s = 0, factor = 1;
-    void add(const std::string& label, const Measured& m) {
-        if (cpu_s == 0) {
-            cpu_s = m.result.cpu_s;
-            segment_s = m.segment_cpu_s;
-            fmt::print("{:12} {:>9} {:>9} {:>12} {:>12}\n", what, "run s", "stages s", "run/linear",
-                       "stages/linear");
-        }
-        fmt::print("{:12} {:9.3f} {:9.3f} {:12.2f} {:12.2f}\n", label, m.result.cpu_s,
-                   m.segment_cpu_s, m.result.cpu_s / (cpu_s * factor),
-                   m.segment_cpu_s / (segment_s * factor));
-        factor *= 4;
-    }
-};
 
 std::string made(const fs::path& folder, int width, int height, int spp) {
     const std::string path = folder / fmt::format("{}x{}x{}.npz", width, height, spp);
@@ -226,20 +176,22 @@ std::string made(const fs::path& folder, int width, int height, int spp) {
 }
 
 void print_scaling(int repeat, const Cycles& cycles) {
-    const Scratch folder("samples");
-    const auto run = [&](const std::string& samples, int locations, int threads = 2) {
-        return median({samples, locations, threads}, repeat, cycles,
-                      [](const Measured& m) { return m.result.cpu_s; });
+    const Scratch folder;
+    const auto add = [&](Series& to, const std::string& label, const std::string& samples,
+                         int locations) {
+        const Measured m = median({samples, locations, 2}, repeat, cycles,
+                                  [](const Measured& x) { return x.result.cpu_s; });
+        to.add(label, m.result.cpu_s, m.segment_cpu_s);
     };
     fmt::print("built-in scene 'garden', median of {}, CPU seconds; linear or better: 1 or below\n",
                repeat);
     Series pixels{"pixels"}, spp{"spp"}, locations{"locations"};
     for (int scale : {1, 2, 4})
-        pixels.add(fmt::format("{}x{}", 160 * scale, 90 * scale),
-                   run(made(folder.path, 160 * scale, 90 * scale, 4), 64));
-    for (int n : {1, 4, 16}) spp.add(std::to_string(n), run(made(folder.path, 320, 180, n), 64));
+        add(pixels, fmt::format("{}x{}", 160 * scale, 90 * scale),
+            made(folder.path, 160 * scale, 90 * scale, 4), 64);
+    for (int n : {1, 4, 16}) add(spp, std::to_string(n), made(folder.path, 320, 180, n), 64);
     for (int n : {32, 128, 512})
-        locations.add(std::to_string(n), run(made(folder.path, 320, 180, 4), n));
+        add(locations, std::to_string(n), made(folder.path, 320, 180, 4), n);
     const auto wall = [&](int threads) {
         const std::string samples = made(folder.path, 640, 360, 4);
         return median({samples, 128, threads}, std::max(repeat, 5), cycles,
