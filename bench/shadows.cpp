@@ -62,17 +62,25 @@ class Runs {
         return path;
     }
 
-    // The run of median CPU time.
-    RunResult of(const char* name, const std::string& samples, int locations) const {
-        std::vector<RunResult> runs;
+    // Of each graph the run of median CPU time; one after the other by turns, as the machine's own
+    // speed drifts.
+    std::vector<RunResult> of(const std::vector<const char*>& names, const std::string& samples,
+                              int locations) const {
+        std::vector<std::vector<RunResult>> runs(names.size());
         for (int i = 0; i < repeat_; ++i)
-            runs.push_back(weft::run(
-                graph_of(graph(name), {"samples=" + samples, fmt::format("locations={}", locations),
-                                       "out=" + folder_.path + "/out.exr"}),
-                threads_));
-        std::sort(runs.begin(), runs.end(),
-                  [](const RunResult& a, const RunResult& b) { return a.cpu_s < b.cpu_s; });
-        return std::move(runs[runs.size() / 2]);
+            for (size_t k = 0; k < names.size(); ++k)
+                runs[k].push_back(weft::run(
+                    graph_of(graph(names[k]),
+                             {"samples=" + samples, fmt::format("locations={}", locations),
+                              "out=" + folder_.path + "/out.exr"}),
+                    threads_));
+        std::vector<RunResult> medians;
+        for (auto& each : runs) {
+            std::sort(each.begin(), each.end(),
+                      [](const RunResult& a, const RunResult& b) { return a.cpu_s < b.cpu_s; });
+            medians.push_back(std::move(each[each.size() / 2]));
+        }
+        return medians;
     }
 
   private:
@@ -86,8 +94,8 @@ class Runs {
 
 void print_account(Runs& runs, const std::string& scene) {
     const std::string samples = runs.samples(scene, 320, 180, usual_spp);
-    const RunResult five = runs.of("tlfr.json", samples, usual_locations),
-                    seven = runs.of("tlfr-7d.json", samples, usual_locations);
+    const auto both = runs.of({"tlfr.json", "tlfr-7d.json"}, samples, usual_locations);
+    const RunResult &five = both[0], &seven = both[1];
     const double locations = 320.0 * 180 * usual_locations;
     fmt::print("{}: tlfr.json {:.0f} ns a location, tlfr-7d.json {:.0f} ns, {:.2f} times as much\n",
                scene, five.cpu_s * 1e9 / locations, seven.cpu_s * 1e9 / locations,
@@ -98,7 +106,7 @@ void print_account(Runs& runs, const std::string& scene) {
 void print_scaling(Runs& runs, const std::string& scene) {
     const auto add = [&](Series& to, const std::string& label, const std::string& samples,
                          int locations) {
-        const RunResult result = runs.of("tlfr-7d.json", samples, locations);
+        const RunResult result = std::move(runs.of({"tlfr-7d.json"}, samples, locations)[0]);
         double stages = 0;
         for (const SegmentReport& segment : result.segments)
             for (const StageReport& stage : segment.stages) stages += stage.cpu_s;
