@@ -226,7 +226,7 @@ struct LeafIntegrate {
     };
 };
 
-WEFT_NODE(LeafIntegrate, "leaf-integrate", 6)
+WEFT_NODE(LeafIntegrate, "leaf-integrate", 7)
 
 }  // namespace
 }  // namespace weft
