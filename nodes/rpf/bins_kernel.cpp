@@ -12,35 +12,52 @@
 namespace weft::rpf::WEFT_ISA {
 namespace {
 
-// 64 numbers, and which of them are at least as large as an edge, as bits.
-class Word {
+// As many numbers as have whole bytes of bits.
+constexpr size_t piece = lanes < 8 ? 8 : lanes;
+class Piece {
   public:
-    HWY_INLINE explicit Word(const float* row) {
-        for (size_t i = 0; i < vectors; ++i) x_[i] = hn::LoadU(f, row + i * lanes);
-    }
-    HWY_INLINE std::uint64_t at_least(float edge) const {
-        const VF low = hn::Set(f, edge);
-#if defined(__AVX512BW__)
-        const auto of = [&](size_t i)
-                            HWY_ATTR { return _mm512_cmp_ps_mask(x_[i].raw, low.raw, _CMP_GE_OQ); };
-        return _mm512_kunpackd(_mm512_kunpackw(of(3), of(2)), _mm512_kunpackw(of(1), of(0)));
-#else
-        std::uint64_t all = 0;
+    HWY_INLINE explicit Piece(const float* row) {
         for (size_t i = 0; i < vectors; ++i) {
-            std::uint8_t bytes[8] = {};
-            std::uint16_t some;
-            hn::StoreMaskBits(f, hn::Ge(x_[i], low), bytes);
-            std::memcpy(&some, bytes, sizeof some);
-            all |= std::uint64_t(some) << (i * lanes);
+            x_[i] = hn::LoadU(f, row + i * lanes);
+            past_[i] = hn::Eq(hn::Zero(f), hn::Zero(f));
         }
-        return all;
-#endif
+    }
+    // Of those that are past all edges so far, which are below the next, as bits.
+    HWY_INLINE void store_below(VF edge, char* to) {
+        std::uint8_t bits[vectors][8];
+        for (size_t i = 0; i < vectors; ++i) {
+            const auto next = hn::Ge(x_[i], edge);
+            hn::StoreMaskBits(f, hn::AndNot(next, past_[i]), bits[i]);
+            past_[i] = next;
+        }
+        if (vectors > 1) bits[0][0] = std::uint8_t(bits[0][0] | bits[vectors - 1][0] << lanes);
+        std::memcpy(to, bits[0], piece / 8);
     }
 
   private:
-    static constexpr size_t vectors = 64 / lanes;
+    static constexpr size_t vectors = piece / lanes;
     VF x_[vectors];
+    hn::Mask<F> past_[vectors];
 };
+
+// Which of 64 numbers lie in each bin but the last. Bits go to memory piece by piece: putting them
+// together in registers takes longer than comparing. Two pieces share the edges, and lie half a
+// word apart lest the compiler put them together. Unrolled, or masks go round by way of other
+// registers.
+HWY_INLINE void sort_word(const float* row, const Edges& edges, std::uint64_t* columns) {
+    const size_t last = edges.bins - 1;
+    auto* to = reinterpret_cast<char*>(columns);
+    for (size_t i = 0; i < 32; i += piece, to += piece / 8) {
+        Piece low(row + i), high(row + i + 32);
+#pragma GCC unroll 9
+        for (size_t b = 0; b < most_bins - 1; ++b) {
+            if (b == last) break;
+            const VF edge = hn::Set(f, edges.edge[b]);
+            low.store_below(edge, to + b * sizeof *columns);
+            high.store_below(edge, to + b * sizeof *columns + 4);
+        }
+    }
+}
 
 constexpr size_t together = 8;  // columns that are compared with others at once
 
@@ -100,21 +117,13 @@ const bool counts_natively = __builtin_cpu_supports("avx512vpopcntdq");
 
 void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns,
                     size_t pitch) {
-    const size_t last = edges.bins - 1;
+    size_t begin = 0;
+    for (; begin + 64 <= n; begin += 64, columns += pitch) sort_word(row + begin, edges, columns);
+    if (begin == n) return;
     float rest[64] = {};
-    // What is past one edge and not past the next lies in the bin between.
-    for (size_t begin = 0; begin < n; begin += 64, columns += pitch) {
-        const bool whole = n - begin >= 64;
-        if (!whole) std::copy(row + begin, row + n, rest);
-        const Word word(whole ? row + begin : rest);
-        const std::uint64_t all = whole ? ~std::uint64_t(0) : (std::uint64_t(1) << (n - begin)) - 1;
-        std::uint64_t past = all;
-        for (size_t b = 0; b < last; ++b) {
-            const std::uint64_t next = word.at_least(edges.edge[b]);
-            columns[b] = past & ~next;
-            past &= next;
-        }
-    }
+    std::copy(row + begin, row + n, rest);
+    sort_word(rest, edges, columns);
+    for (size_t b = 0; b + 1 < edges.bins; ++b) columns[b] &= (std::uint64_t(1) << (n - begin)) - 1;
 }
 
 void count_each(const std::uint64_t* bits, size_t columns, size_t pitch, size_t words,
