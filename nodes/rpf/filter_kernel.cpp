@@ -12,15 +12,15 @@ namespace {
 
 // 2^-x for any x >= 0, to 3e-6 of itself; what is past 120 is as good as nothing. 2^r for |r| <=
 // 1/2 by the polynomial of degree 4 that is 1 at 0 and whose largest relative error is the least.
+// What is added rounds to whole numbers, which then are the last bits.
 HWY_INLINE VF power_of_half(VF x) {
     const hn::RebindToSigned<F> whole;
-    const VF y = hn::Neg(hn::Min(x, hn::Set(f, 120.0f)));
-    const auto n = hn::NearestInt(y);
-    const VF r = hn::Sub(y, hn::ConvertTo(f, n));
+    const VF y = hn::Min(x, hn::Set(f, 120.0f)), large = hn::Set(f, 0x1.8p23f);
+    const VF n = hn::Add(y, large), r = hn::Sub(hn::Sub(n, large), y);
     VF p = hn::Set(f, 9.5828532e-3f);
     for (const float term : {5.5906425e-2f, 0.24024099f, 0.69312419f, 1.0f})
         p = hn::MulAdd(p, r, hn::Set(f, term));
-    return hn::BitCast(f, hn::Add(hn::BitCast(whole, p), hn::ShiftLeft<23>(n)));
+    return hn::BitCast(f, hn::Sub(hn::BitCast(whole, p), hn::ShiftLeft<23>(hn::BitCast(whole, n))));
 }
 
 constexpr size_t together = lanes == 16 ? 8 : 4;  // own samples, as many as there are registers for
@@ -63,6 +63,29 @@ class Mean {
     VF sums_[5];
 };
 
+// Colours of all samples, 0 from n to whole vectors.
+struct Planes {
+    const float *r, *g, *b;
+};
+HWY_NOINLINE Planes find_colors(const Neighbourhoods& around, const float* rgb,
+                                FilterScratch& scratch) {
+    if (rgb == around.vectors->samples.rgb().data())  // are rows already
+        return {around.row(around.color_row(0)), around.row(around.color_row(1)),
+                around.row(around.color_row(2))};
+    const size_t n = around.samples();
+    for (std::vector<float>* plane : {&scratch.r, &scratch.g, &scratch.b}) {
+        plane->resize(around.pitch);
+        std::fill(plane->begin() + std::ptrdiff_t(n), plane->end(), 0.0f);
+    }
+    for (size_t j = 0; j < n; ++j) {
+        const float* c = rgb + 3 * size_t(around.sample[j]);
+        scratch.r[j] = c[0];
+        scratch.g[j] = c[1];
+        scratch.b[j] = c[2];
+    }
+    return {scratch.r.data(), scratch.g.data(), scratch.b.data()};
+}
+
 }  // namespace
 
 void filter(const Neighbourhoods& around, const Weights& weights, const float* rgb,
@@ -81,16 +104,7 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
     }
     const Row *const begin = rows.data(), *const middle = begin + features,
                      *const end = begin + rows.size();
-    for (std::vector<float>* plane : {&scratch.r, &scratch.g, &scratch.b}) {
-        plane->resize(around.pitch);
-        std::fill(plane->begin() + std::ptrdiff_t(n), plane->end(), 0.0f);
-    }
-    for (size_t j = 0; j < n; ++j) {
-        const float* c = rgb + 3 * size_t(around.sample[j]);
-        scratch.r[j] = c[0];
-        scratch.g[j] = c[1];
-        scratch.b[j] = c[2];
-    }
+    const Planes colors = find_colors(around, rgb, scratch);
 
     const VF cutoff = hn::Set(f, likeness.cutoff * log2_e);
     scratch.own.resize(rows.size() * together);
@@ -105,22 +119,30 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
         for (size_t first = 0; first < n; first += run) {
             const size_t last = std::min(n, first + run);
             for (size_t j = first; j < last; j += lanes) {
-                VF by_features[together], by_colors[together];
-                distances(begin, middle, mine, j, by_features);
-                distances(middle, end, mine + features * together, j, by_colors);
                 const auto there = hn::FirstN(f, std::min(lanes, n - j));
-                for (size_t o = 0; o < together; ++o) {
-                    const auto near = hn::And(there, hn::And(hn::Lt(by_features[o], cutoff),
-                                                             hn::Lt(by_colors[o], cutoff)));
-                    const VF all = power_of_half(hn::Add(by_features[o], by_colors[o]));
-                    hn::StoreU(hn::IfThenElseZero(near, all), f, w + o * run + j - first);
+                const auto weigh = [&](size_t o, auto near, VF exponent) HWY_ATTR {
+                    hn::StoreU(hn::IfThenElseZero(hn::And(there, near), power_of_half(exponent)), f,
+                               w + o * run + j - first);
+                };
+                VF by_features[together];
+                distances(begin, middle, mine, j, by_features);
+                if (middle == end) {  // colours often have no say
+                    for (size_t o = 0; o < together; ++o)
+                        weigh(o, hn::Lt(by_features[o], cutoff), by_features[o]);
+                    continue;
                 }
+                VF by_colors[together];
+                distances(middle, end, mine + features * together, j, by_colors);
+                for (size_t o = 0; o < together; ++o)
+                    weigh(o,
+                          hn::And(hn::Lt(by_features[o], cutoff), hn::Lt(by_colors[o], cutoff)),
+                          hn::Add(by_features[o], by_colors[o]));
             }
             for (size_t o = 0; o < together; ++o) {
                 Mean sum = mean[o];
                 for (size_t j = first; j < last; j += lanes)
-                    sum.add(hn::LoadU(f, w + o * run + j - first), hn::LoadU(f, &scratch.r[j]),
-                            hn::LoadU(f, &scratch.g[j]), hn::LoadU(f, &scratch.b[j]));
+                    sum.add(hn::LoadU(f, w + o * run + j - first), hn::LoadU(f, colors.r + j),
+                            hn::LoadU(f, colors.g + j), hn::LoadU(f, colors.b + j));
                 mean[o] = sum;
             }
         }
