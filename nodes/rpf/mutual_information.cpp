@@ -119,34 +119,48 @@ void MutualInformation::count(const BinnedRows& x, Range of_x, const BinnedRows&
     (x.column(first_x), rows, y.column(first_y), columns, x.pitch, x.words, counts_.data(), pitch_);
 }
 
-// The sum over cells, less those of margins. Cells of the last bins are what the others leave.
-std::int64_t MutualInformation::raw(const BinnedRows::Row& x, const BinnedRows::Row& y,
-                                    const std::uint32_t* counts, size_t samples,
-                                    size_t& occupied) const {
-    const std::int64_t* table = table_.data();
-    const size_t last_x = x.bins() - 1, last_y = y.bins() - 1;
-    std::array<std::uint32_t, most_bins> left = y.count;
-    std::int64_t sum = table[samples];
-    occupied = 0;
-    for (size_t i = 0; i < last_x; ++i, counts += pitch_) {
+namespace {
+
+// The sum over cells of two rows, one of which has `last_y` bins and one more, and how many are not
+// empty, if that is `asked`. Cells of the last bins are what the others leave.
+struct Cells {
+    std::int64_t n_log_n = 0;
+    size_t occupied = 0;
+};
+template <bool asked, size_t last_y>
+Cells sum_cells(const std::int64_t* table, const BinnedRows::Row& x, const BinnedRows::Row& y,
+                const std::uint32_t* counts, size_t pitch) {
+    Cells all;
+    const auto add = [&](std::uint32_t n) {
+        all.n_log_n += table[n];
+        if (asked) all.occupied += n > 0;
+    };
+    std::array<std::uint32_t, last_y + 1> left;
+    std::copy_n(y.count.begin(), last_y + 1, left.begin());
+    const size_t last_x = x.bins() - 1;
+    for (size_t i = 0; i < last_x; ++i, counts += pitch) {
         std::uint32_t rest = x.count[i];
+#pragma GCC unroll 9
         for (size_t j = 0; j < last_y; ++j) {
             const std::uint32_t n = counts[j];
-            sum += table[n];
-            occupied += n > 0;
+            add(n);
             rest -= n;
             left[j] -= n;
         }
-        sum += table[rest];
-        occupied += rest > 0;
+        add(rest);
         left[last_y] -= rest;
     }
-    for (size_t j = 0; j <= last_y; ++j) {
-        sum += table[left[j]];
-        occupied += left[j] > 0;
-    }
-    return sum;
+    for (const std::uint32_t n : left) add(n);
+    return all;
 }
+
+// By the number of bins but one.
+template <bool asked>
+constexpr auto sums_of_cells = []<size_t... last>(std::index_sequence<last...>) {
+    return std::array{&sum_cells<asked, last>...};
+}(std::make_index_sequence<most_bins>());
+
+}  // namespace
 
 void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y,
                                    std::vector<double>& information) {
@@ -158,6 +172,8 @@ void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y,
         for (size_t i = range.begin; i < range.end; ++i) margins_[i] = margin_of(rows.rows[i]);
 
     const auto samples = double(rows.samples);
+    const auto& sums =
+        correction_ == Correction::miller_madow ? sums_of_cells<true> : sums_of_cells<false>;
     const auto add_all = [&](double part) {
         for (size_t i = x.begin; i < x.end; ++i)
             for (size_t j = y.begin; j < y.end; ++j) {
@@ -166,15 +182,16 @@ void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y,
                 const std::uint32_t* counts =
                     &counts_[(rows.rows[i].first - rows.rows[x.begin].first) * pitch_ +
                              rows.rows[j].first - rows.rows[y.begin].first];
-                size_t occupied;
+                const Cells cells =
+                    sums[rows.rows[j].bins() - 1](table_.data(), rows.rows[i], rows.rows[j],
+                                                  counts, pitch_);
                 const std::int64_t sum =
-                    raw(rows.rows[i], rows.rows[j], counts, rows.samples, occupied) - mx.n_log_n -
-                    my.n_log_n;
+                    table_[rows.samples] + cells.n_log_n - mx.n_log_n - my.n_log_n;
                 const double found = double(sum) * 0x1p-32 / samples;
                 double bias = 0;
                 if (correction_ == Correction::miller_madow)
                     bias =
-                        (double(occupied) - double(mx.occupied + my.occupied) + 1) / (2 * samples);
+                        (double(cells.occupied) - double(mx.occupied + my.occupied) + 1) / (2 * samples);
                 if (correction_ == Correction::asymptotic)
                     bias = double(mx.occupied - 1) * double(my.occupied - 1) / (2 * samples);
                 information[(i - x.begin) * y.size() + j - y.begin] += part * (found - bias);

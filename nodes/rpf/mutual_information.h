@@ -56,8 +56,6 @@ class MutualInformation {
     void grow_table(size_t n);
     Margin margin_of(const BinnedRows::Row& row) const;
     void count(const BinnedRows& x, Range of_x, const BinnedRows& y, Range of_y);
-    std::int64_t raw(const BinnedRows::Row& x, const BinnedRows::Row& y,
-                     const std::uint32_t* counts, size_t samples, size_t& occupied) const;
 
     Correction correction_;
     std::vector<std::int64_t> table_;    // n ln n
