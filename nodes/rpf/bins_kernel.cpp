@@ -59,59 +59,77 @@ HWY_INLINE void sort_word(const float* row, const Edges& edges, std::uint64_t* c
     }
 }
 
-constexpr size_t together = 8;  // columns that are compared with others at once
+constexpr size_t together = 8;  // columns that are compared with others at once, at most
 
 using B = hn::ScalableTag<std::uint8_t>;
 using W = hn::ScalableTag<std::uint64_t>;
 constexpr size_t word_lanes = hn::MaxLanes(W());
 
-// Of `together` columns with as many others as a vector holds words. Bits are counted in bytes,
-// which hold those of 31 words.
-HWY_INLINE void count_some(const std::uint64_t* const* a, const std::uint64_t* b, size_t pitch,
-                           size_t words, std::uint32_t* const* to) {
+// Of `rows` columns with as many others as a vector holds words. Bits are counted in bytes, which
+// hold those of 31 words.
+template <size_t rows>
+void count_some(const std::uint64_t* a, const std::uint64_t* b, size_t pitch, size_t words,
+                std::uint32_t* to, size_t to_pitch) {
     constexpr B bytes;
     constexpr W whole;
-    hn::Vec<W> sum[together];
-    for (auto& s : sum) s = hn::Zero(whole);
+    hn::Vec<W> sum[rows];
+#pragma GCC unroll 8
+    for (size_t o = 0; o < rows; ++o) sum[o] = hn::Zero(whole);
     for (size_t begin = 0; begin < words; begin += 31) {
-        hn::Vec<B> bits[together];
-        for (auto& v : bits) v = hn::Zero(bytes);
+        hn::Vec<B> bits[rows];
+#pragma GCC unroll 8
+        for (size_t o = 0; o < rows; ++o) bits[o] = hn::Zero(bytes);
         for (size_t w = begin; w < std::min(words, begin + 31); ++w) {
             const auto other = hn::LoadU(whole, b + w * pitch);
-            for (size_t o = 0; o < together; ++o)
+#pragma GCC unroll 8
+            for (size_t o = 0; o < rows; ++o)
                 bits[o] =
                     hn::Add(bits[o], hn::PopulationCount(hn::BitCast(
-                                         bytes, hn::And(hn::Set(whole, a[o][w * pitch]), other))));
+                                         bytes, hn::And(hn::Set(whole, a[w * pitch + o]), other))));
         }
-        for (size_t o = 0; o < together; ++o) sum[o] = hn::Add(sum[o], hn::SumsOf8(bits[o]));
+        for (size_t o = 0; o < rows; ++o) sum[o] = hn::Add(sum[o], hn::SumsOf8(bits[o]));
     }
-    for (size_t o = 0; o < together; ++o) {
+    for (size_t o = 0; o < rows; ++o) {
         std::uint64_t found[word_lanes];
         hn::StoreU(sum[o], whole, found);
-        for (size_t k = 0; k < word_lanes; ++k) to[o][k] = std::uint32_t(found[k]);
+        for (size_t k = 0; k < word_lanes; ++k) to[o * to_pitch + k] = std::uint32_t(found[k]);
     }
 }
 
 #if defined(__AVX512F__)
 // The same where the processor counts bits itself, which not every one of this level does.
-__attribute__((target("avx512vpopcntdq"))) void count_some_natively(const std::uint64_t* const* a,
-                                                                    const std::uint64_t* b,
-                                                                    size_t pitch, size_t words,
-                                                                    std::uint32_t* const* to) {
-    __m512i sum[together];
-    for (auto& s : sum) s = _mm512_setzero_si512();
+template <size_t rows>
+__attribute__((target("avx512vpopcntdq"))) void count_some_natively(
+    const std::uint64_t* a, const std::uint64_t* b, size_t pitch, size_t words, std::uint32_t* to,
+    size_t to_pitch) {
+    __m512i sum[rows];
+#pragma GCC unroll 8
+    for (size_t o = 0; o < rows; ++o) sum[o] = _mm512_setzero_si512();
     for (size_t w = 0; w < words; ++w) {
         const __m512i other = _mm512_loadu_si512(b + w * pitch);
-        for (size_t o = 0; o < together; ++o)
-            sum[o] = _mm512_add_epi64(
-                sum[o], _mm512_popcnt_epi64(_mm512_and_si512(
-                            _mm512_set1_epi64(static_cast<long long>(a[o][w * pitch])), other)));
+#pragma GCC unroll 8
+        for (size_t o = 0; o < rows; ++o) {
+            const __m512i mine = _mm512_set1_epi64(static_cast<long long>(a[w * pitch + o]));
+            sum[o] = _mm512_add_epi64(sum[o], _mm512_popcnt_epi64(_mm512_and_si512(mine, other)));
+        }
     }
-    for (size_t o = 0; o < together; ++o)
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to[o]), _mm512_cvtepi64_epi32(sum[o]));
+#pragma GCC unroll 8
+    for (size_t o = 0; o < rows; ++o)
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + o * to_pitch),
+                            _mm512_cvtepi64_epi32(sum[o]));
 }
-const bool counts_natively = __builtin_cpu_supports("avx512vpopcntdq");
 #endif
+
+// By how many columns there are but one.
+using CountSome = void(const std::uint64_t* a, const std::uint64_t* b, size_t pitch, size_t words,
+                       std::uint32_t* to, size_t to_pitch);
+const auto count_some_of = []<size_t... row>(std::index_sequence<row...>) {
+#if defined(__AVX512F__)
+    if (__builtin_cpu_supports("avx512vpopcntdq"))
+        return std::array<CountSome*, together>{&count_some_natively<row + 1>...};
+#endif
+    return std::array<CountSome*, together>{&count_some<row + 1>...};
+}(std::make_index_sequence<together>());
 
 }  // namespace
 
@@ -141,23 +159,13 @@ void count_each(const std::uint64_t* bits, size_t columns, size_t pitch, size_t 
 
 void count_common(const std::uint64_t* a, size_t rows, const std::uint64_t* b, size_t columns,
                   size_t pitch, size_t words, std::uint32_t* counts, size_t counts_pitch) {
-    for (size_t i = 0; i < rows; i += together) {
-        const std::uint64_t* mine[together];
-        std::uint32_t* to[together];
-        for (size_t j = 0; j < columns; j += word_lanes) {
-            for (size_t o = 0; o < together; ++o) {  // the last again where there are fewer
-                const size_t row = std::min(i + o, rows - 1);
-                mine[o] = a + row;
-                to[o] = counts + row * counts_pitch + j;
-            }
-#if defined(__AVX512F__)
-            if (counts_natively) {
-                count_some_natively(mine, b + j, pitch, words, to);
-                continue;
-            }
-#endif
-            count_some(mine, b + j, pitch, words, to);
-        }
+    // Groups as equal as they can be.
+    for (size_t i = 0, groups = (rows + together - 1) / together; groups > 0; --groups) {
+        const size_t some = (rows - i + groups - 1) / groups;
+        for (size_t j = 0; j < columns; j += word_lanes)
+            count_some_of[some - 1](a + i, b + j, pitch, words, counts + i * counts_pitch + j,
+                                    counts_pitch);
+        i += some;
     }
 }
 
