@@ -1,6 +1,8 @@
 // Bins as bits, and how many bits columns share.
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <utility>
 
 #include "rpf/kernels.h"
 #include "rpf/simd.h"
@@ -99,9 +101,11 @@ void count_some(const std::uint64_t* a, const std::uint64_t* b, size_t pitch, si
 #if defined(__AVX512F__)
 // The same where the processor counts bits itself, which not every one of this level does.
 template <size_t rows>
-__attribute__((target("avx512vpopcntdq"))) void count_some_natively(
-    const std::uint64_t* a, const std::uint64_t* b, size_t pitch, size_t words, std::uint32_t* to,
-    size_t to_pitch) {
+__attribute__((target("avx512vpopcntdq"))) void count_some_natively(const std::uint64_t* a,
+                                                                    const std::uint64_t* b,
+                                                                    size_t pitch, size_t words,
+                                                                    std::uint32_t* to,
+                                                                    size_t to_pitch) {
     __m512i sum[rows];
 #pragma GCC unroll 8
     for (size_t o = 0; o < rows; ++o) sum[o] = _mm512_setzero_si512();
@@ -129,7 +133,8 @@ const auto count_some_of = []<size_t... row>(std::index_sequence<row...>) {
         return std::array<CountSome*, together>{&count_some_natively<row + 1>...};
 #endif
     return std::array<CountSome*, together>{&count_some<row + 1>...};
-}(std::make_index_sequence<together>());
+}
+(std::make_index_sequence<together>());
 
 }  // namespace
 

@@ -134,8 +134,7 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
                 VF by_colors[together];
                 distances(middle, end, mine + features * together, j, by_colors);
                 for (size_t o = 0; o < together; ++o)
-                    weigh(o,
-                          hn::And(hn::Lt(by_features[o], cutoff), hn::Lt(by_colors[o], cutoff)),
+                    weigh(o, hn::And(hn::Lt(by_features[o], cutoff), hn::Lt(by_colors[o], cutoff)),
                           hn::Add(by_features[o], by_colors[o]));
             }
             for (size_t o = 0; o < together; ++o) {

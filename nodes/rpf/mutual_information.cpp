@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rpf/kernels.h"
 
@@ -158,7 +159,8 @@ Cells sum_cells(const std::int64_t* table, const BinnedRows::Row& x, const Binne
 template <bool asked>
 constexpr auto sums_of_cells = []<size_t... last>(std::index_sequence<last...>) {
     return std::array{&sum_cells<asked, last>...};
-}(std::make_index_sequence<most_bins>());
+}
+(std::make_index_sequence<most_bins>());
 
 }  // namespace
 
@@ -182,16 +184,15 @@ void MutualInformation::operator()(const BinnedRows& rows, Range x, Range y,
                 const std::uint32_t* counts =
                     &counts_[(rows.rows[i].first - rows.rows[x.begin].first) * pitch_ +
                              rows.rows[j].first - rows.rows[y.begin].first];
-                const Cells cells =
-                    sums[rows.rows[j].bins() - 1](table_.data(), rows.rows[i], rows.rows[j],
-                                                  counts, pitch_);
+                const Cells cells = sums[rows.rows[j].bins() - 1](table_.data(), rows.rows[i],
+                                                                  rows.rows[j], counts, pitch_);
                 const std::int64_t sum =
                     table_[rows.samples] + cells.n_log_n - mx.n_log_n - my.n_log_n;
                 const double found = double(sum) * 0x1p-32 / samples;
                 double bias = 0;
                 if (correction_ == Correction::miller_madow)
-                    bias =
-                        (double(cells.occupied) - double(mx.occupied + my.occupied) + 1) / (2 * samples);
+                    bias = (double(cells.occupied) - double(mx.occupied + my.occupied) + 1) /
+                           (2 * samples);
                 if (correction_ == Correction::asymptotic)
                     bias = double(mx.occupied - 1) * double(my.occupied - 1) / (2 * samples);
                 information[(i - x.begin) * y.size() + j - y.begin] += part * (found - bias);
