@@ -14,9 +14,7 @@
 
 namespace weft::adaptive {
 
-inline constexpr size_t buckets_in_piece = 64;
-
-// The buckets of the tree, and all that its samples are looked at with.
+// Of samples in the tree's order: places in px of scaled space on every axis, rgb 3 numbers each.
 class Surroundings {
   public:
     Surroundings(const PointTree& tree, std::span<const float> rgb, const TensorSettings& settings);
@@ -63,11 +61,13 @@ class Surroundings {
         known_ = true;
     }
 
-    // About `count` neighbours by the metric `upper`, or by plain distance where it is null.
+    // About `count` neighbours of sample i, never fewer, itself among them: by the metric `upper`
+    // (D (D + 1) / 2 numbers), or by plain distance where it is null.
     void find(size_t i, const float* upper, size_t count, const SamplesAround& around,
               Neighbourhood& found) const;
 
-    // Fits gradients, notes limits, and makes each sample's own tensor.
+    // Fits sample i's gradients (radiance per px), notes least and most radiance around, and how
+    // far the fit is off its own in made.radiance; tensors[averaged_stride(D) * i] on: its own.
     void fit(size_t i, const SamplesAround& around, Neighbourhood& near, Variation& made,
              std::vector<float>& tensors) const;
 
@@ -77,19 +77,23 @@ class Surroundings {
     // How much of a neighbourhood's variance is explained by a plane through it: next to nothing
     // of noise, a half of an edge.
     double explained(size_t i, const SamplesAround& around, Neighbourhood& near) const;
-    // Distance by place on the film, above all: another sample is within half a pixel there. The
-    // diagonal of its matrix, for x and y and for each of the other axes.
-    std::array<double, 2> local_of(size_t i) const;
+    // D (D + 1) / 2 numbers of a distance by place on the film, above all: another sample is within
+    // half a pixel there.
     void local_metric(size_t i, float* upper) const;
     // How far a sample is from the one that is nearest by that one's metric, and from the nearest
     // by place: relative, squared.
     std::array<float, 2> predicted_off(size_t i, const SamplesAround& around,
                                        const Variation& made) const;
 
-    size_t reached() const;
     Supports supports() const;
 
   private:
+    static constexpr size_t buckets_in_piece = 64;
+
+    // The diagonal of that distance's matrix: for x and y, and for each of the other axes.
+    std::array<double, 2> local_of(size_t i) const;
+    // How many samples around each are looked at.
+    size_t reached() const;
     // The three nearest of a sample's neighbours, by how much nearer they are than the next; the
     // weights' sum is 1.
     struct Closest {
@@ -118,7 +122,7 @@ class Surroundings {
     std::array<std::vector<float>, 3> channels_;
     std::array<const float*, 3> rgb_{};
     std::vector<std::pair<size_t, size_t>> buckets_;
-    std::vector<float> within2_;  // of each sample: how far it looks
+    std::vector<float> within2_;  // px^2, of each sample: how far it looks
     bool known_ = false;          // whether that is found
 };
 
