@@ -14,6 +14,7 @@
 #include "rpf/draws.h"
 #include "rpf/kernels.h"
 #include "rpf/mutual_information.h"
+#include "rpf/pixel_bounds.h"
 #include "samples/random.h"
 
 using namespace weft;
@@ -109,20 +110,20 @@ class Pass {
             steps[step].seconds += (cpu_s() - start) / repeats;
             steps[step++].cycles += cycles;
         };
-        // A step's count is known once it has run, so the floor of the draw is that of the pixel
-        // before: all are alike.
-        time(double(by_.draws) + double(drawn_.size()) / lanes,
-             [&] { draw(v_.samples, by_, places_, at, scratch_, drawn_); });
-
         std::vector<float> centre(v_.stride() + 16, 0.0f),
             bound(v_.stride() + 16, std::numeric_limits<float>::infinity());
         for (size_t k = 7; k < 16; ++k) {
             centre[k] = v_.of(first)[k];
             bound[k] = 0.9f;
         }
+        find_near_codes(v_.bounds, centre, bound, near_);
+        // A step's count is known once it has run, so the floor of the draw is that of the pixel
+        // before: all are alike.
+        time(double(by_.draws) + double(drawn_.sample.size()) / lanes,
+             [&] { draw(v_.samples, by_, places_, at, near_, scratch_, drawn_); });
         n_.vectors = &v_;
         n_.own_offset = {0, spp};
-        n_.pitch = ((spp + drawn_.size() + 15) / 16 | 1) * 16;
+        n_.pitch = ((spp + drawn_.sample.size() + 15) / 16 | 1) * 16;
         const auto take = [&] {
             n_.sample.resize(spp);
             for (std::uint32_t i = 0; i < spp; ++i) n_.sample[i] = std::uint32_t(first) + i;
@@ -131,7 +132,8 @@ class Pass {
         take();
         const auto n = double(n_.samples()), rows = double(n_.rows());
         // Comparisons; of what is taken two to lay out and five for the sums.
-        time(2 * double(drawn_.size()) * std::ceil(9 / lanes) + 3.5 * n * rows / lanes, take);
+        time(2 * double(drawn_.sample.size()) * std::ceil(9 / lanes) + 3.5 * n * rows / lanes,
+             take);
 
         std::vector<NumberRow> numbers;
         const auto add = [&](size_t row) {
@@ -174,7 +176,8 @@ class Pass {
     DrawSettings by_;
     Places places_;
     DrawScratch scratch_;
-    std::vector<std::uint32_t> drawn_;
+    std::vector<NearCodes> near_;
+    DrawnSamples drawn_;
     Neighbourhoods n_;
     BinnedRows binned_;
     MutualInformation information_;
@@ -189,7 +192,9 @@ class Pass {
 }  // namespace
 
 int main() {
-    const SampleVectors v = made_up();
+    SampleVectors v = made_up();
+    PlainContext ctx;
+    find_pixel_bounds(v, ctx);
     const double clock = clock_rate();
     fmt::print("{:.2f} cycles a nanosecond\n", clock);
     const std::vector<Step> steps = {

@@ -7,39 +7,78 @@
 #include "rpf/kernels.h"
 #include "rpf/simd.h"
 
-#if defined(__AVX512F__)
 #include <immintrin.h>
-#endif
 
 namespace weft::rpf::WEFT_ISA {
 namespace {
 
-// As many numbers as have whole bytes of bits.
-constexpr size_t piece = lanes < 8 ? 8 : lanes;
+#if HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2
+// Which of as many numbers as a vector has bytes are at least something, a byte each.
 class Piece {
   public:
+    using B = hn::Repartition<std::uint8_t, F>;
+    static constexpr size_t numbers = 4 * lanes;
+
+    // Vectors of quarters that lie as far apart as narrowing two vectors to one brings them.
     HWY_INLINE explicit Piece(const float* row) {
-        for (size_t i = 0; i < vectors; ++i) {
-            x_[i] = hn::LoadU(f, row + i * lanes);
-            past_[i] = hn::Eq(hn::Zero(f), hn::Zero(f));
-        }
+        constexpr hn::FixedTag<float, 4> four{};
+        for (size_t i = 0; i < 4; ++i)
+#if HWY_TARGET == HWY_SSE4
+            x_[i] = hn::LoadU(four, row + 4 * i);
+#else
+            x_[i] = hn::Combine(f, hn::LoadU(four, row + 4 * i + 16), hn::LoadU(four, row + 4 * i));
+#endif
     }
-    // Of those that are past all edges so far, which are below the next, as bits.
-    HWY_INLINE void store_below(VF edge, char* to) {
-        std::uint8_t bits[vectors][8];
-        for (size_t i = 0; i < vectors; ++i) {
-            const auto next = hn::Ge(x_[i], edge);
-            hn::StoreMaskBits(f, hn::AndNot(next, past_[i]), bits[i]);
-            past_[i] = next;
-        }
-        if (vectors > 1) bits[0][0] = std::uint8_t(bits[0][0] | bits[vectors - 1][0] << lanes);
-        std::memcpy(to, bits[0], piece / 8);
+    HWY_INLINE hn::Vec<B> at_least(VF edge) const {
+        constexpr hn::Repartition<std::int16_t, F> narrow;
+        const auto is = [&](size_t i) HWY_ATTR {
+            return hn::BitCast(hn::RebindToSigned<F>(), hn::VecFromMask(f, hn::Ge(x_[i], edge)));
+        };
+        const auto low = hn::ReorderDemote2To(narrow, is(0), is(1)),
+                   high = hn::ReorderDemote2To(narrow, is(2), is(3));
+#if HWY_TARGET == HWY_SSE4
+        return {_mm_packs_epi16(low.raw, high.raw)};
+#else
+        return {_mm256_packs_epi16(low.raw, high.raw)};
+#endif
     }
 
   private:
-    static constexpr size_t vectors = piece / lanes;
-    VF x_[vectors];
-    hn::Mask<F> past_[vectors];
+    VF x_[4];
+};
+
+// Which of 64 numbers lie in each bin but the last. Narrowed to bytes, four vectors of answers are
+// one, whose bits are brought together at once.
+HWY_INLINE void sort_word(const float* row, const Edges& edges, std::uint64_t* columns) {
+    constexpr Piece::B bytes;
+    const size_t last = edges.bins - 1;
+    for (size_t i = 0; i < 64; i += Piece::numbers) {
+        const Piece piece(row + i);
+        auto past = hn::Set(bytes, std::uint8_t(255));
+        auto* to = reinterpret_cast<std::uint8_t*>(columns) + i / 8;
+        for (size_t b = 0; b < last; ++b, to += sizeof *columns) {
+            const auto next = piece.at_least(hn::Set(f, edges.edge[b]));
+            hn::StoreMaskBits(bytes, hn::MaskFromVec(hn::AndNot(next, past)), to);
+            past = next;
+        }
+    }
+}
+#else
+// Of numbers those that are past all edges so far.
+class Piece {
+  public:
+    HWY_INLINE explicit Piece(const float* row)
+        : x_(hn::LoadU(f, row)), past_(hn::Eq(hn::Zero(f), hn::Zero(f))) {}
+    // Which of these are below the next, as bits.
+    HWY_INLINE void store_below(VF edge, char* to) {
+        const auto next = hn::Ge(x_, edge);
+        hn::StoreMaskBits(f, hn::AndNot(next, past_), reinterpret_cast<std::uint8_t*>(to));
+        past_ = next;
+    }
+
+  private:
+    VF x_;
+    hn::Mask<F> past_;
 };
 
 // Which of 64 numbers lie in each bin but the last. Bits go to memory piece by piece: putting them
@@ -49,7 +88,7 @@ class Piece {
 HWY_INLINE void sort_word(const float* row, const Edges& edges, std::uint64_t* columns) {
     const size_t last = edges.bins - 1;
     auto* to = reinterpret_cast<char*>(columns);
-    for (size_t i = 0; i < 32; i += piece, to += piece / 8) {
+    for (size_t i = 0; i < 32; i += lanes, to += lanes / 8) {
         Piece low(row + i), high(row + i + 32);
 #pragma GCC unroll 9
         for (size_t b = 0; b < most_bins - 1; ++b) {
@@ -60,6 +99,7 @@ HWY_INLINE void sort_word(const float* row, const Edges& edges, std::uint64_t* c
         }
     }
 }
+#endif
 
 constexpr size_t together = 8;  // columns that are compared with others at once, at most
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "rpf/pixel_bounds.h"
 #include "rpf/pixel_statistics.h"
 #include "runtime/node.h"
 #include "samples/file_bytes.h"
@@ -58,6 +59,7 @@ struct BuildVectors {
         for (const Channel* c : chosen(samples, random, Role::random)) add(*c, Role::random);
         for (const Channel* c : chosen(samples, features, Role::feature)) add(*c, Role::feature);
         fill(channels, v, ctx);
+        rpf::find_pixel_bounds(v, ctx);
         if (pixels) rpf::find_pixel_statistics(v, ctx);
         out.set("vectors", std::move(v));
     }

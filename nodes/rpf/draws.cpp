@@ -125,16 +125,18 @@ bool within(PixelBlock block, int x, int y) {
 // What draws around one block.
 class Drawer {
   public:
-    Drawer(const Samples& samples, const DrawSettings& by, PixelBlock block)
+    Drawer(const Samples& samples, const DrawSettings& by, PixelBlock block,
+           std::span<const NearCodes> near)
         : samples_(samples),
           by_(by),
           block_(block),
+          near_(near),
           cx_((block.x0 + block.x1 - 1) / 2),
           cy_((block.y0 + block.y1 - 1) / 2),
           chance_(mix(by.seed ^ mix(std::uint64_t(cy_) * std::uint64_t(samples.width) +
                                     std::uint64_t(cx_)))) {}
 
-    void stratified(std::span<const Offset> places, std::vector<std::uint32_t>& drawn) const {
+    void stratified(std::span<const Offset> places, DrawnSamples& drawn) const {
         const int sx = chance_ & 1 ? -1 : 1, sy = chance_ & 2 ? -1 : 1;
         const bool turned = chance_ & 4;
         for (const Offset& p : places) {
@@ -145,38 +147,41 @@ class Drawer {
             if (p.turn >= n) continue;
             const size_t from =
                 size_t((chance_ >> 8) + std::uint64_t(x) * 3 + std::uint64_t(y) * 5);
-            drawn.push_back(std::uint32_t(begin + (from + p.turn) % n));
+            drawn.sample.push_back(std::uint32_t(begin + (from + p.turn) % n));
         }
+        drawn.extend(drawn.sample.size(), PixelNear::some);
     }
 
     // Each draw takes any sample of its pixel.
-    void gaussian(const Places& places, DrawScratch& scratch,
-                  std::vector<std::uint32_t>& drawn) const {
+    void gaussian(const Places& places, DrawScratch& scratch, DrawnSamples& drawn) const {
         find_inside(scratch);
         // Near the picture's corners three of four draws fall outside: as many more are made.
         count(places, 8 * by_.draws, scratch);
-        drawn.resize(by_.draws + 2 * at_once);
-        std::uint32_t* to = drawn.data();
+        drawn.sample.resize(by_.draws + 2 * at_once);
+        std::uint32_t *const first = drawn.sample.data(), *to = first;
         std::uint64_t state = chance_;
-        each_cell([&](size_t cell, Samples::Range of) {
-            const size_t taken = size_t(scratch.counts[cell]) * scratch.inside[cell];
-            const std::uint64_t begin = of.begin, n = of.end - of.begin;
-            // Always as many as `at_once`, taken or not: sooner done than asked.
-            for (size_t i = 0; i < std::max(taken, at_once); i += at_once) {
-                for (size_t k = 0; k < at_once; ++k)
-                    to[i + k] =
-                        std::uint32_t(begin + ((steps.after(k + 1, state) >> 32) * n >> 32));
-                state = steps.after(std::min(taken - i, at_once), state);
+        each_stretch(scratch, [&](size_t cell, size_t pixel, size_t some, PixelNear near) {
+            for (size_t end = cell + some; cell < end; ++cell, ++pixel) {
+                const size_t taken = size_t(scratch.counts[cell]) * scratch.inside[cell];
+                const auto [begin, past] = samples_.of_pixel(pixel);
+                const std::uint64_t n = past - begin;
+                // Always as many as `at_once`, taken or not: sooner done than asked.
+                for (size_t i = 0; i < std::max(taken, at_once); i += at_once) {
+                    for (size_t k = 0; k < at_once && near != PixelNear::none; ++k)
+                        to[i + k] =
+                            std::uint32_t(begin + ((steps.after(k + 1, state) >> 32) * n >> 32));
+                    state = steps.after(std::min(taken - i, at_once), state);
+                }
+                if (near != PixelNear::none) to += taken;
             }
-            to += taken;
+            drawn.extend(size_t(to - first), near);
         });
-        drawn.resize(size_t(to - drawn.data()));
+        drawn.sample.resize(size_t(to - first));
     }
 
     // How often each pixel was drawn is how many of its samples are taken, as far as it has so
     // many.
-    void distinct(const Places& places, DrawScratch& scratch,
-                  std::vector<std::uint32_t>& drawn) const {
+    void distinct(const Places& places, DrawScratch& scratch, DrawnSamples& drawn) const {
         scratch.counts.assign(size_t(side_of(by_)) * size_t(side_of(by_)) + 1, 0);
         const size_t all = places.cells.size(), at = size_t(chance_ % all);
         for (size_t left = by_.draws, begin = at; left > 0; begin = 0) {
@@ -184,16 +189,18 @@ class Drawer {
             add_counts(places, begin, some, scratch.counts);
             left -= some;
         }
-        drawn.resize(by_.draws + 16);
-        std::uint32_t* to = drawn.data();
         each_row([&](size_t cell, int x, int y, int some) {
-            std::uint16_t* counts = &scratch.counts[cell];
             for (int i = 0; i < some && y >= block_.y0 && y < block_.y1; ++i)
-                if (within(block_, x + i, y)) counts[i] = 0;
-            to = WEFT_PICK(take_first)(samples_, size_t(y) * size_t(samples_.width) + size_t(x),
-                                       {counts, size_t(some)}, to);
+                if (within(block_, x + i, y)) scratch.counts[cell + size_t(i)] = 0;
         });
-        drawn.resize(size_t(to - drawn.data()));
+        drawn.sample.resize(by_.draws + 16);
+        std::uint32_t *const first = drawn.sample.data(), *to = first;
+        each_stretch(scratch, [&](size_t cell, size_t pixel, size_t some, PixelNear near) {
+            if (near == PixelNear::none) return;
+            to = WEFT_PICK(take_first)(samples_, pixel, {&scratch.counts[cell], some}, to);
+            drawn.extend(size_t(to - first), near);
+        });
+        drawn.sample.resize(size_t(to - first));
     }
 
   private:
@@ -232,6 +239,21 @@ class Drawer {
             what(size_t(y - cy_ + half) * size_t(side) + size_t(x0 - cx_ + half), x0, y,
                  x1 + 1 - x0);
     }
+    // what(first cell, first pixel, how many, which of their samples are near) for pixels of a row
+    // that are alike in that, row by row.
+    template <class Do>
+    void each_stretch(DrawScratch& scratch, Do&& what) const {
+        each_row([&](size_t cell, int x, int y, int some) {
+            const size_t n = size_t(some), pixel = size_t(y) * size_t(samples_.width) + size_t(x);
+            std::vector<PixelNear>& near = scratch.near;
+            near.assign((n + 63) / 64 * 64, PixelNear::some);
+            if (!near_.empty()) WEFT_PICK(judge_pixels)(near_, pixel, n, near.data());
+            for (size_t begin = 0, end = 1; begin < n; begin = end++) {
+                while (end < n && near[end] == near[begin]) ++end;
+                what(cell + begin, pixel + begin, end - begin, near[begin]);
+            }
+        });
+    }
     // Those outside the block, row by row.
     template <class Do>
     void each_cell(Do&& what) const {
@@ -251,6 +273,7 @@ class Drawer {
     const Samples& samples_;
     const DrawSettings& by_;
     PixelBlock block_;
+    std::span<const NearCodes> near_;
     int cx_, cy_;
     std::uint64_t chance_;
 };
@@ -262,10 +285,16 @@ Places make_places(const DrawSettings& by) {
                                            : random_places(by);
 }
 
+void DrawnSamples::extend(size_t end, PixelNear near) {
+    if (end == (stretches.empty() ? 0 : stretches.back().end)) return;
+    if (stretches.empty() || stretches.back().near != near) stretches.push_back({0, near});
+    stretches.back().end = end;
+}
+
 void draw(const Samples& samples, const DrawSettings& by, const Places& places, PixelBlock block,
-          DrawScratch& scratch, std::vector<std::uint32_t>& drawn) {
+          std::span<const NearCodes> near, DrawScratch& scratch, DrawnSamples& drawn) {
     drawn.clear();
-    const Drawer drawer(samples, by, block);
+    const Drawer drawer(samples, by, block, near);
     switch (by.rule) {
         case DrawRule::stratified:
             return drawer.stratified(places.offsets, drawn);

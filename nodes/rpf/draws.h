@@ -2,8 +2,10 @@
 // screen term of the bilateral filter, so that near samples count more by being drawn more often.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "rpf/pixel_bounds.h"
 #include "rpf/streams.h"
 
 namespace weft::rpf {
@@ -45,13 +47,30 @@ struct Places {
 };
 Places make_places(const DrawSettings& by);
 
+// Samples in the order in which they were drawn.
+struct DrawnSamples {
+    // Of pixels all or some of whose samples are near; it ends before sample `end`.
+    struct Stretch {
+        size_t end;
+        PixelNear near;
+    };
+    std::vector<std::uint32_t> sample;
+    std::vector<Stretch> stretches;
+
+    void clear() { sample.clear(), stretches.clear(); }
+    // Those up to `end` lie in such pixels.
+    void extend(size_t end, PixelNear near);
+};
+
 struct DrawScratch {
     std::vector<std::uint16_t> counts;  // of each cell: how often it was drawn
     std::vector<std::uint8_t> inside;   // of each cell: 1 where there may be samples
+    std::vector<PixelNear> near;        // of a row of cells
 };
 
-// The samples drawn around a block; its own are never among them.
+// The samples drawn around a block; its own are never among them, nor, but for a `stratified` draw,
+// those of pixels that are told by `near` to have none near.
 void draw(const Samples& samples, const DrawSettings& by, const Places& places, PixelBlock block,
-          DrawScratch& scratch, std::vector<std::uint32_t>& drawn);
+          std::span<const NearCodes> near, DrawScratch& scratch, DrawnSamples& drawn);
 
 }  // namespace weft::rpf

@@ -24,22 +24,62 @@ HWY_INLINE VF power_of_half(VF x) {
 }
 
 constexpr size_t together = lanes == 16 ? 8 : 4;  // own samples, as many as there are registers for
+constexpr size_t at_once = 2;                     // vectors of neighbours
 constexpr size_t run = 64;  // neighbours whose weights are kept until they are summed up
 
 using Row = FilterScratch::Row;
 
-// Of rows [begin, end) the squared distances of `together` own samples to a vector of others.
-// `own`: their numbers, row by row.
-HWY_INLINE void distances(const Row* begin, const Row* end, const float* own, size_t j, VF* sums) {
-    for (size_t o = 0; o < together; ++o) sums[o] = hn::Zero(f);
-    for (; begin < end; ++begin, own += together) {
-        const VF x = hn::Mul(hn::Sub(hn::LoadU(f, begin->numbers + j), hn::Set(f, begin->mean)),
-                             hn::Set(f, begin->root));
+// Of some rows `together` own samples' numbers, row by row, doubled and of the other sign; and the
+// sum of each one's squares.
+struct Own {
+    const float *numbers, *squares;
+};
+
+// Those of own samples i on, as far as there are `own`, in rows [begin, end).
+HWY_INLINE Own take_own(const Row* begin, const Row* end, size_t i, size_t own, float* numbers,
+                        float* squares) {
+    std::fill_n(squares, together, 0.0f);
+    float* to = numbers;
+    for (; begin < end; ++begin)
         for (size_t o = 0; o < together; ++o) {
-            const VF d = hn::Sub(x, hn::Set(f, own[o]));
-            sums[o] = hn::MulAdd(d, d, sums[o]);
+            const float x = (begin->numbers[std::min(i + o, own - 1)] - begin->mean) * begin->root;
+            squares[o] += x * x;
+            *to++ = -2 * x;
+        }
+    return {numbers, squares};
+}
+
+// put(o, v, d) for the squared distances of own sample o to vector v of the others from the j-th
+// on, in rows [begin, end). They are a^2 - 2 a b + b^2, where rounding does little harm: numbers
+// are small, as they are taken from the own ones' mean.
+template <class Put>
+HWY_INLINE void distances(const Row* begin, const Row* end, Own own, size_t j, Put&& put) {
+    VF sums[at_once][together], squares[at_once];
+    for (size_t v = 0; v < at_once; ++v) {
+        squares[v] = hn::Zero(f);
+        for (size_t o = 0; o < together; ++o) sums[v][o] = hn::Set(f, own.squares[o]);
+    }
+    for (; begin < end; ++begin, own.numbers += together) {
+        const VF mean = hn::Set(f, begin->mean), root = hn::Set(f, begin->root);
+        VF x[at_once];
+        for (size_t v = 0; v < at_once; ++v) {
+            x[v] = hn::Mul(hn::Sub(hn::LoadU(f, begin->numbers + j + v * lanes), mean), root);
+            squares[v] = hn::MulAdd(x[v], x[v], squares[v]);
+        }
+        for (size_t o = 0; o < together; ++o) {
+            const VF mine = hn::Set(f, own.numbers[o]);
+            for (size_t v = 0; v < at_once; ++v) sums[v][o] = hn::MulAdd(x[v], mine, sums[v][o]);
         }
     }
+    for (size_t o = 0; o < together; ++o)
+        for (size_t v = 0; v < at_once; ++v)
+            put(o, v, hn::Max(hn::Add(sums[v][o], squares[v]), hn::Zero(f)));
+}
+
+float mean_of(const float* row, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) sum += double(row[i]);
+    return float(sum / double(n));
 }
 
 // What is summed up over the neighbours of one own sample.
@@ -99,7 +139,8 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
     for (size_t k = 0; k < around.rows(); ++k) {
         const float factor = weights.of_row[k] * likeness.scale * log2_e;
         if (!(factor > 0) || !(around.scale[k] > 0)) continue;
-        rows.push_back({around.row(k), around.mean[k], around.scale[k] * std::sqrt(factor)});
+        rows.push_back(
+            {around.row(k), mean_of(around.row(k), own), around.scale[k] * std::sqrt(factor)});
         if (k < around.color_row(0)) features = rows.size();
     }
     const Row *const begin = rows.data(), *const middle = begin + features,
@@ -107,40 +148,45 @@ void filter(const Neighbourhoods& around, const Weights& weights, const float* r
     const Planes colors = find_colors(around, rgb, scratch);
 
     const VF cutoff = hn::Set(f, likeness.cutoff * log2_e);
-    scratch.own.resize(rows.size() * together);
+    scratch.own.resize(rows.size() * together + 1);
     scratch.weights.resize(together * run);
-    float *const mine = scratch.own.data(), *const w = scratch.weights.data();
+    float* const w = scratch.weights.data();
     for (size_t i = 0; i < own; i += together) {
-        for (size_t k = 0; k < rows.size(); ++k)
-            for (size_t o = 0; o < together; ++o)
-                mine[k * together + o] =
-                    (rows[k].numbers[std::min(i + o, own - 1)] - rows[k].mean) * rows[k].root;
+        float squares_of_features[together], squares_of_colors[together];
+        const Own by_feature =
+                      take_own(begin, middle, i, own, scratch.own.data(), squares_of_features),
+                  by_color = take_own(middle, end, i, own, &scratch.own[features * together],
+                                      squares_of_colors);
         Mean mean[together];
         for (size_t first = 0; first < n; first += run) {
             const size_t last = std::min(n, first + run);
-            for (size_t j = first; j < last; j += lanes) {
-                const auto there = hn::FirstN(f, std::min(lanes, n - j));
-                const auto weigh = [&](size_t o, auto near, VF exponent) HWY_ATTR {
+            const auto weight = [&](size_t o, size_t j) { return w + o * run + j - first; };
+            for (size_t j = first; j < last; j += at_once * lanes) {
+                const auto weigh = [&](size_t o, size_t v, auto near, VF exponent) HWY_ATTR {
+                    const size_t at = j + v * lanes;
+                    const auto there = hn::FirstN(f, at < n ? n - at : 0);
                     hn::StoreU(hn::IfThenElseZero(hn::And(there, near), power_of_half(exponent)), f,
-                               w + o * run + j - first);
+                               weight(o, at));
                 };
-                VF by_features[together];
-                distances(begin, middle, mine, j, by_features);
                 if (middle == end) {  // colours often have no say
-                    for (size_t o = 0; o < together; ++o)
-                        weigh(o, hn::Lt(by_features[o], cutoff), by_features[o]);
+                    distances(begin, middle, by_feature, j, [&](size_t o, size_t v, VF d) HWY_ATTR {
+                        weigh(o, v, hn::Lt(d, cutoff), d);
+                    });
                     continue;
                 }
-                VF by_colors[together];
-                distances(middle, end, mine + features * together, j, by_colors);
-                for (size_t o = 0; o < together; ++o)
-                    weigh(o, hn::And(hn::Lt(by_features[o], cutoff), hn::Lt(by_colors[o], cutoff)),
-                          hn::Add(by_features[o], by_colors[o]));
+                distances(begin, middle, by_feature, j, [&](size_t o, size_t v, VF d) HWY_ATTR {
+                    hn::StoreU(d, f, weight(o, j + v * lanes));
+                });
+                distances(middle, end, by_color, j, [&](size_t o, size_t v, VF d) HWY_ATTR {
+                    const VF features_too = hn::LoadU(f, weight(o, j + v * lanes));
+                    weigh(o, v, hn::And(hn::Lt(features_too, cutoff), hn::Lt(d, cutoff)),
+                          hn::Add(features_too, d));
+                });
             }
             for (size_t o = 0; o < together; ++o) {
                 Mean sum = mean[o];
                 for (size_t j = first; j < last; j += lanes)
-                    sum.add(hn::LoadU(f, w + o * run + j - first), hn::LoadU(f, colors.r + j),
+                    sum.add(hn::LoadU(f, weight(o, j)), hn::LoadU(f, colors.r + j),
                             hn::LoadU(f, colors.g + j), hn::LoadU(f, colors.b + j));
                 mean[o] = sum;
             }

@@ -23,8 +23,8 @@ struct Likeness {
     float cutoff = 6;  // of either exponent: where it is reached the weight is 0
 };
 struct FilterScratch {
-    // A row that counts: numbers less their mean, times the root of its weight, squared and summed
-    // are exponents of 2.
+    // A row that counts: numbers less the mean of the own ones, times the root of its weight, are
+    // what squared differences between samples are summed up of to exponents of 2.
     struct Row {
         const float* numbers;
         float mean, root;
@@ -64,12 +64,14 @@ struct PixelScratch {
      * Writes up to 16 past the end, which it gives. */                                            \
     std::uint32_t* take_first(const Samples& samples, size_t pixel,                                \
                               std::span<const std::uint16_t> counts, std::uint32_t* to);           \
-    /* Of a neighbourhood that so far has a block's own samples: more of them, the candidates      \
-     * whose vectors lie within `bound` of `centre` in every component, in order; and the rows of  \
-     * all, at a pitch that is set. */                                                             \
-    void take_near(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,        \
-                   const float* centre, const float* bound, LayoutScratch& scratch,                \
-                   Neighbourhoods& out);                                                           \
+    /* Of n pixels from one on which of their samples are near. Reads and writes up to whole       \
+     * multiples of 64. */                                                                         \
+    void judge_pixels(std::span<const NearCodes> by, size_t pixel, size_t n, PixelNear* to);       \
+    /* Of a neighbourhood that so far has a block's own samples: more of them, those drawn whose   \
+     * vectors lie within `bound` of `centre` in every component, in order; and the rows of all,   \
+     * at a pitch that is set. */                                                                  \
+    void take_near(const SampleVectors& vectors, const DrawnSamples& drawn, const float* centre,   \
+                   const float* bound, LayoutScratch& scratch, Neighbourhoods& out);               \
     /* Which samples of a row fall into each bin but the last, as bits: columns that lie side by   \
      * side, `pitch` from word to word. */                                                         \
     void sort_into_bins(const float* row, size_t n, const Edges& edges, std::uint64_t* columns,    \

@@ -167,7 +167,18 @@ class Near {
                            std::uint32_t* to) const {
         if (last_ <= first_ + lanes) return compare<1>(candidates, begin, end, to);
         if (last_ <= first_ + 2 * lanes) return compare<2>(candidates, begin, end, to);
+        if (last_ <= first_ + 3 * lanes) return compare<3>(candidates, begin, end, to);
         return compare<0>(candidates, begin, end, to);
+    }
+
+    // The same of candidates that are known to be near.
+    HWY_INLINE size_t take_all(std::span<const std::uint32_t> candidates, size_t begin, size_t end,
+                               std::uint32_t* to) const {
+        std::copy(candidates.begin() + std::ptrdiff_t(begin),
+                  candidates.begin() + std::ptrdiff_t(end), to);
+        for (size_t c = begin + ahead; c < std::min(end + ahead, candidates.size()); ++c)
+            fetch(candidates[c]);
+        return end - begin;
     }
 
   private:
@@ -191,14 +202,17 @@ class Near {
         };
         size_t c = begin;
         for (const size_t seen = std::min(end + ahead, candidates.size()); c + ahead < seen; ++c) {
-            // Records lie too far apart for the processor to see them coming.
-            const float* next = records + candidates[c + ahead] * stride;
-            hwy::Prefetch(next);
-            hwy::Prefetch(next + stride - 1);
+            fetch(candidates[c + ahead]);
             test(c);
         }
         for (; c < end; ++c) test(c);
         return found;
+    }
+    // Records lie too far apart for the processor to see them coming.
+    HWY_INLINE void fetch(std::uint32_t candidate) const {
+        const float* of = vectors_.of(candidate);
+        hwy::Prefetch(of);
+        hwy::Prefetch(of + vectors_.stride() - 1);
     }
     static HWY_INLINE auto within(const float* of, const float* centre, const float* bound) {
         return hn::Le(hn::Abs(hn::Sub(hn::LoadU(f, of), hn::LoadU(f, centre))),
@@ -211,19 +225,47 @@ class Near {
 
 }  // namespace
 
+void judge_pixels(std::span<const NearCodes> by, size_t pixel, size_t n, PixelNear* to) {
+    constexpr hn::Repartition<std::uint8_t, F> bytes;
+    constexpr size_t at_once = hn::MaxLanes(bytes);
+    const auto as_byte = [](PixelNear near) HWY_ATTR { return hn::Set(bytes, std::uint8_t(near)); };
+    const auto zero = hn::Zero(bytes);
+    for (size_t i = 0; i < n; i += at_once) {
+        // What is more than nothing once subtracted is greater.
+        auto far = zero, out = zero;
+        for (const NearCodes& of : by) {
+            const auto past = [&](auto a, auto b) HWY_ATTR { return hn::SaturatedSub(a, b); };
+            const auto low = hn::LoadU(bytes, of.low + pixel + i),
+                       high = hn::LoadU(bytes, of.high + pixel + i);
+            far = hn::Or(far, hn::Or(past(low, hn::Set(bytes, of.last)),
+                                     past(hn::Set(bytes, of.first), high)));
+            out = hn::Or(out, hn::Or(past(hn::Set(bytes, of.first_in), low),
+                                     past(high, hn::Set(bytes, of.last_in))));
+            if (hn::AllFalse(bytes, hn::Eq(far, zero))) break;
+        }
+        const auto near =
+            hn::IfThenElse(hn::Eq(out, zero), as_byte(PixelNear::all), as_byte(PixelNear::some));
+        hn::StoreU(hn::IfThenElseZero(hn::Eq(far, zero), near), bytes,
+                   reinterpret_cast<std::uint8_t*>(to + i));
+    }
+}
+
 // Some candidates at a time, whose records then are at hand when they are laid out.
-void take_near(const SampleVectors& vectors, std::span<const std::uint32_t> candidates,
-               const float* centre, const float* bound, LayoutScratch& scratch,
-               Neighbourhoods& out) {
+void take_near(const SampleVectors& vectors, const DrawnSamples& drawn, const float* centre,
+               const float* bound, LayoutScratch& scratch, Neighbourhoods& out) {
     Rows rows(vectors, scratch, out);
     const Near near(vectors, centre, bound);
-    size_t n = out.sample.size();
-    out.sample.resize(n + candidates.size());
-    for (size_t i = 0; i < candidates.size(); i += records_at_once) {
-        n += near.take(candidates, i, std::min(candidates.size(), i + records_at_once),
-                       &out.sample[n]);
-        rows.add(n, false);
-    }
+    size_t n = out.sample.size(), i = 0;
+    out.sample.resize(n + drawn.sample.size());
+    for (const DrawnSamples::Stretch& stretch : drawn.stretches)
+        while (i < stretch.end) {
+            const size_t end = std::min(stretch.end, i + records_at_once);
+            n += stretch.near == PixelNear::all
+                     ? near.take_all(drawn.sample, i, end, &out.sample[n])
+                     : near.take(drawn.sample, i, end, &out.sample[n]);
+            i = end;
+            rows.add(n, false);
+        }
     out.sample.resize(n);
     rows.add(n, true);
     rows.finish();

@@ -84,7 +84,9 @@ struct NeighbourhoodsNode {
         Places places;
         DrawSettings by;
         DrawScratch draw;
-        std::vector<std::uint32_t> drawn, statistics;
+        std::vector<NearCodes> near;
+        DrawnSamples drawn;
+        std::vector<std::uint32_t> statistics;
         std::vector<float> centre, bound;
         LayoutScratch layout;
         const SampleVectors* of = nullptr;
@@ -118,13 +120,15 @@ struct NeighbourhoodsNode {
         n.parents = {};
         prepare(v, scratch);
         take_own(v, at, n);
-        draw(v.samples, scratch.by, scratch.places, at, scratch.draw, scratch.drawn);
-        if (!v.whole.empty())
-            std::erase_if(scratch.drawn, [&](std::uint32_t i) { return !v.is_whole(i); });
-        if (n.own() == 0) scratch.drawn.clear();
         find_bounds(v, at, n, scratch);
+        find_near_codes(v.bounds, scratch.centre, scratch.bound, scratch.near);
+        scratch.drawn.clear();
+        if (n.own() > 0)
+            draw(v.samples, scratch.by, scratch.places, at, scratch.near, scratch.draw,
+                 scratch.drawn);
+        if (!v.whole.empty()) leave_out_broken(v, scratch.drawn);
         // An odd number of cache lines, so that rows never all fall into one set of a cache.
-        n.pitch = ((n.own() + scratch.drawn.size() + Neighbourhoods::padding - 1) /
+        n.pitch = ((n.own() + scratch.drawn.sample.size() + Neighbourhoods::padding - 1) /
                        Neighbourhoods::padding |
                    1) *
                   Neighbourhoods::padding;
@@ -168,6 +172,12 @@ struct NeighbourhoodsNode {
                 n.own_pixels.push_back(std::uint32_t(pixel));
                 n.own_offset.push_back(std::uint32_t(n.sample.size()));
             }
+    }
+
+    static void leave_out_broken(const SampleVectors& v, DrawnSamples& drawn) {
+        std::erase_if(drawn.sample, [&](std::uint32_t i) { return !v.is_whole(i); });
+        drawn.stretches.clear();
+        drawn.extend(drawn.sample.size(), PixelNear::some);
     }
 
     // What features may be for a sample to be near the mean of the block's own. As long as whole

@@ -3,6 +3,7 @@
 // from a neighbourhood is one place in memory. Source: Sen and Darabi 2012, Sec. 3 (the sample
 // vector x = (p, r, f, c)).
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -49,6 +50,26 @@ struct PixelStatistics {
     size_t features_ = 0;
 };
 
+// Between which numbers each pixel's samples are, feature by feature, as codes of a byte that rise
+// with the numbers: by these all of them are told at once to be near something, or not.
+struct PixelBounds {
+    // code(x) of a feature component: 1 to 254 as far as most numbers go, 0 and 255 past that.
+    struct Scale {
+        double low = 0, per_unit = 0;
+        std::uint8_t code(double x) const {
+            return std::uint8_t(std::clamp(1 + per_unit * (x - low), 0.0, 255.0));
+        }
+    };
+    size_t first = 0;           // the first feature component
+    std::vector<Scale> scales;  // of each from that on
+    size_t pitch = 0;  // from component to component: the pixels, and some to read past the end
+    // Of each component the pixels' codes; one without samples is between 255 and 0.
+    LargeArray<std::uint8_t> low, high;
+
+    bool empty() const { return low.empty(); }
+    size_t bytes() const { return 2 * low.size(); }
+};
+
 struct SampleVectors {
     static constexpr size_t padding = 16;
 
@@ -60,6 +81,7 @@ struct SampleVectors {
         whole;  // of each sample: 0 where a number is not finite; empty: all are whole
 
     PixelStatistics pixels;
+    PixelBounds bounds;  // empty where pixels have few samples, or some are not whole
 
     size_t size() const { return samples.size(); }
     // Floats from sample to sample: components, then red, green and blue.
@@ -73,7 +95,7 @@ struct SampleVectors {
     Range of_channel(size_t channel) const;
     size_t bytes() const {
         return values.size() * sizeof(float) + whole.size() +
-               pixels.planes.values.size() * sizeof(float) + samples.bytes();
+               pixels.planes.values.size() * sizeof(float) + bounds.bytes() + samples.bytes();
     }
     void count(Items& items) const { items.add("samples", size()); }
 };

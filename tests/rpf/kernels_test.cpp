@@ -31,7 +31,10 @@ struct Bounds {
 void take_near(const SampleVectors& v, const std::vector<std::uint32_t>& candidates,
                const Bounds& by, Neighbourhoods& n) {
     LayoutScratch scratch;
-    WEFT_PICK(take_near)(v, candidates, by.centre.data(), by.bound.data(), scratch, n);
+    DrawnSamples drawn;
+    drawn.sample = candidates;
+    drawn.extend(candidates.size(), PixelNear::some);
+    WEFT_PICK(take_near)(v, drawn, by.centre.data(), by.bound.data(), scratch, n);
 }
 
 // A neighbourhood of everything.
@@ -78,6 +81,75 @@ TEST_P(Kernels, take_what_is_within_bounds) {
     Neighbourhoods none = alone(v, 3);
     take_near(v, {}, by, none);
     EXPECT_EQ(none.sample, own);
+}
+
+// Bounds around sample `of` of features that are compared, some of them.
+Bounds around(const SampleVectors& v, size_t of, float far) {
+    Bounds by(v);
+    for (size_t k = v.bounds.first; k < v.components.size(); ++k) {
+        by.centre[k] = v.of(of)[k];
+        if (k % 3) by.bound[k] = far * (1 + 0.3f * float(k % 4));
+    }
+    return by;
+}
+
+TEST_P(Kernels, judge_pixels_as_their_samples_are) {
+    Samples samples = feature_samples(
+        45, 30, [](size_t pixel) { return pixel * 7 % 10; }, [](const Drawn& d) { return d.l; },
+        [](const Drawn& d) { return d.x > 22 ? 0.8f : 0.3f + 0.1f * d.u; });
+    std::vector<float> position(samples.values("position").begin(),
+                                samples.values("position").end());
+    position[3 * 500] = 100, position[3 * 501 + 1] = -100;  // far off all others
+    samples.add("position", 3, position);
+    const SampleVectors v = vectors_of(samples);
+    ASSERT_FALSE(v.bounds.empty());
+    std::array<size_t, 3> count{};
+    for (size_t of = 0; of < v.size(); of += 97)
+        for (const float far : {0.0f, 0.01f, 0.1f, 0.5f, 2.0f, 300.0f}) {
+            const Bounds by = around(v, of, far);
+            std::vector<NearCodes> codes;
+            find_near_codes(v.bounds, by.centre, by.bound, codes);
+            const size_t first = of % 40, n = samples.pixels() - first;
+            std::vector<PixelNear> near((n + 63) / 64 * 64);
+            WEFT_PICK(judge_pixels)(codes, first, n, near.data());
+            for (size_t i = 0; i < n; ++i) {
+                const auto [begin, end] = samples.of_pixel(first + i);
+                std::vector<std::uint32_t> all;
+                for (size_t j = begin; j < end; ++j) all.push_back(std::uint32_t(j));
+                const size_t found =
+                    reference::accept(v, all, by.centre.data(), by.bound.data()).size();
+                if (near[i] != PixelNear::some) {
+                    ASSERT_EQ(found, near[i] == PixelNear::all ? all.size() : 0u) << of << " " << i;
+                }
+                ++count[size_t(near[i])];
+            }
+        }
+    for (const size_t n : count) EXPECT_GT(n, 4000u);
+}
+
+TEST_P(Kernels, take_the_same_whether_pixels_are_judged_or_not) {
+    const SampleVectors v = vectors_of(textured(6));
+    const Bounds by = around(v, 1300, 0.4f);
+    std::vector<NearCodes> codes;
+    find_near_codes(v.bounds, by.centre, by.bound, codes);
+    for (const DrawRule rule : {DrawRule::gaussian, DrawRule::distinct}) {
+        const DrawSettings settings{rule, 21, 900, 5.0f, 6, 7};
+        const Places places = make_places(settings);
+        const auto found = [&](std::span<const NearCodes> near) {
+            DrawScratch scratch;
+            DrawnSamples drawn;
+            draw(v.samples, settings, places, {9, 8, 10, 9}, near, scratch, drawn);
+            Neighbourhoods n = alone(v, 1);
+            LayoutScratch layout;
+            WEFT_PICK(take_near)(v, drawn, by.centre.data(), by.bound.data(), layout, n);
+            return std::pair(n.sample, drawn.sample.size());
+        };
+        const auto [judged, few] = found(codes);
+        const auto [all, many] = found({});
+        EXPECT_EQ(judged, all);
+        EXPECT_GT(all.size(), 50u);
+        EXPECT_LT(few, many);
+    }
 }
 
 TEST_P(Kernels, take_the_first_of_each_pixel) {

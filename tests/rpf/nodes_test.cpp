@@ -244,8 +244,9 @@ TEST(Draws, never_give_the_blocks_own_nor_twice_the_same_but_where_independent) 
         rpf::DrawScratch scratch;
         for (const PixelBlock block :
              {PixelBlock{0, 0, 2, 2}, PixelBlock{9, 9, 10, 10}, PixelBlock{19, 19, 20, 20}}) {
-            std::vector<std::uint32_t> drawn;
-            rpf::draw(samples, by, places, block, scratch, drawn);
+            rpf::DrawnSamples found;
+            rpf::draw(samples, by, places, block, {}, scratch, found);
+            const std::vector<std::uint32_t>& drawn = found.sample;
             EXPECT_GT(drawn.size(), 40u);
             std::set<std::uint32_t> distinct(drawn.begin(), drawn.end());
             EXPECT_TRUE(rule == rpf::DrawRule::gaussian || distinct.size() == drawn.size());
@@ -286,6 +287,20 @@ TEST(BuildVectors, leaves_out_what_never_changes_and_counts_what_is_not_finite) 
               std::string::npos);
 }
 
+TEST(BuildVectors, knows_between_what_pixels_are_where_all_is_finite) {
+    Samples samples = feature_samples(6, 5, 4, grey, grey);
+    const auto bounds = [&] {
+        return RunNode("build-vectors").in("samples", samples).out<SampleVectors>("vectors").bounds;
+    };
+    EXPECT_EQ(bounds().scales.size(), 6u);  // position and normal
+    std::vector<float> normal(samples.values("normal").begin(), samples.values("normal").end());
+    normal[3 * 17 + 1] = std::numeric_limits<float>::infinity();
+    samples.add("normal", 3, normal);
+    EXPECT_TRUE(bounds().empty());
+    samples = feature_samples(6, 5, 3, grey, grey);
+    EXPECT_TRUE(bounds().empty());
+}
+
 TEST(BuildVectors, of_a_mapped_file_lets_go_of_what_only_they_are_made_of) {
     if (mapped_bytes() < 0) GTEST_SKIP() << "no RssFile in /proc/self/status";
     const Samples samples = feature_samples(320, 200, 8, grey, grey);
@@ -293,7 +308,8 @@ TEST(BuildVectors, of_a_mapped_file_lets_go_of_what_only_they_are_made_of) {
         RunNode("build-vectors").in("samples", samples).out<SampleVectors>("vectors");
     const TestFolder folder;
     PlainContext ctx;
-    const Samples mapped = read_sample_file(map_file(saved(folder, samples)), {.channels = {"*"}}, ctx);
+    const Samples mapped =
+        read_sample_file(map_file(saved(folder, samples)), {.channels = {"*"}}, ctx);
     const double before = mapped_bytes();
     const SampleVectors v =
         RunNode("build-vectors").in("samples", mapped).out<SampleVectors>("vectors");
