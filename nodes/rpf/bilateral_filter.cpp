@@ -59,7 +59,7 @@ struct BilateralFilter {
     }
 };
 
-WEFT_NODE(BilateralFilter, "bilateral-filter", 2)
+WEFT_NODE(BilateralFilter, "bilateral-filter", 3)
 
 }  // namespace
 }  // namespace weft

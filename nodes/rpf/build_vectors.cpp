@@ -146,7 +146,7 @@ struct BuildVectors {
     }
 };
 
-WEFT_NODE(BuildVectors, "build-vectors", 1)
+WEFT_NODE(BuildVectors, "build-vectors", 2)
 
 }  // namespace
 }  // namespace weft

@@ -102,22 +102,6 @@ void add_counts(const Places& places, size_t begin, size_t some,
     one_by_one(end);
 }
 
-// Knuth's linear congruence, and what several steps of it are at once.
-struct Steps {
-    static constexpr size_t most = 8;
-    std::array<std::uint64_t, most + 1> factor{1}, summand{0};
-    constexpr Steps() {
-        for (size_t k = 0; k < most; ++k) {
-            factor[k + 1] = factor[k] * 6364136223846793005u;
-            summand[k + 1] = summand[k] * 6364136223846793005u + 1442695040888963407u;
-        }
-    }
-    std::uint64_t after(size_t steps, std::uint64_t state) const {
-        return factor[steps] * state + summand[steps];
-    }
-};
-constexpr Steps steps;
-
 bool within(PixelBlock block, int x, int y) {
     return x >= block.x0 && x < block.x1 && y >= block.y0 && y < block.y1;
 }
@@ -157,26 +141,9 @@ class Drawer {
         find_inside(scratch);
         // Near the picture's corners three of four draws fall outside: as many more are made.
         count(places, 8 * by_.draws, scratch);
-        drawn.sample.resize(by_.draws + 2 * at_once);
-        std::uint32_t *const first = drawn.sample.data(), *to = first;
-        std::uint64_t state = chance_;
-        each_stretch(scratch, [&](size_t cell, size_t pixel, size_t some, PixelNear near) {
-            for (size_t end = cell + some; cell < end; ++cell, ++pixel) {
-                const size_t taken = size_t(scratch.counts[cell]) * scratch.inside[cell];
-                const auto [begin, past] = samples_.of_pixel(pixel);
-                const std::uint64_t n = past - begin;
-                // Always as many as `at_once`, taken or not: sooner done than asked.
-                for (size_t i = 0; i < std::max(taken, at_once); i += at_once) {
-                    for (size_t k = 0; k < at_once && near != PixelNear::none; ++k)
-                        to[i + k] =
-                            std::uint32_t(begin + ((steps.after(k + 1, state) >> 32) * n >> 32));
-                    state = steps.after(std::min(taken - i, at_once), state);
-                }
-                if (near != PixelNear::none) to += taken;
-            }
-            drawn.extend(size_t(to - first), near);
+        take(scratch, drawn, [&](size_t pixel, std::span<const std::uint16_t> counts, auto* to) {
+            return WEFT_PICK(take_any)(samples_, pixel, counts, std::uint32_t(chance_ >> 32), to);
         });
-        drawn.sample.resize(size_t(to - first));
     }
 
     // How often each pixel was drawn is how many of its samples are taken, as far as it has so
@@ -189,6 +156,16 @@ class Drawer {
             add_counts(places, begin, some, scratch.counts);
             left -= some;
         }
+        take(scratch, drawn, [&](size_t pixel, std::span<const std::uint16_t> counts, auto* to) {
+            return WEFT_PICK(take_first)(samples_, pixel, counts, to);
+        });
+    }
+
+  private:
+    // Of each pixel as many samples as it was drawn, those of the block left out: to = some(first
+    // pixel, counts, to) takes those of pixels side by side.
+    template <class Some>
+    void take(DrawScratch& scratch, DrawnSamples& drawn, Some&& some_of) const {
         each_row([&](size_t cell, int x, int y, int some) {
             for (int i = 0; i < some && y >= block_.y0 && y < block_.y1; ++i)
                 if (within(block_, x + i, y)) scratch.counts[cell + size_t(i)] = 0;
@@ -197,15 +174,11 @@ class Drawer {
         std::uint32_t *const first = drawn.sample.data(), *to = first;
         each_stretch(scratch, [&](size_t cell, size_t pixel, size_t some, PixelNear near) {
             if (near == PixelNear::none) return;
-            to = WEFT_PICK(take_first)(samples_, pixel, {&scratch.counts[cell], some}, to);
+            to = some_of(pixel, std::span(&scratch.counts[cell], some), to);
             drawn.extend(size_t(to - first), near);
         });
         drawn.sample.resize(size_t(to - first));
     }
-
-  private:
-    static constexpr size_t at_once = Steps::most;
-
     // Draws until there are enough that are inside.
     void count(const Places& places, size_t tries, DrawScratch& scratch) const {
         scratch.counts.assign(scratch.inside.size(), 0);

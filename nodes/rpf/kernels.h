@@ -64,6 +64,11 @@ struct PixelScratch {
      * Writes up to 16 past the end, which it gives. */                                            \
     std::uint32_t* take_first(const Samples& samples, size_t pixel,                                \
                               std::span<const std::uint16_t> counts, std::uint32_t* to);           \
+    /* Of each of these any samples, `counts` of them, repeats and all, by chance: numbers are a   \
+     * function of it, the pixel and the draw. Writes up to 16 past the end, which it gives. */    \
+    std::uint32_t* take_any(const Samples& samples, size_t pixel,                                  \
+                            std::span<const std::uint16_t> counts, std::uint32_t chance,           \
+                            std::uint32_t* to);                                                    \
     /* Of n pixels from one on which of their samples are near. Reads and writes up to whole       \
      * multiples of 64. */                                                                         \
     void judge_pixels(std::span<const NearCodes> by, size_t pixel, size_t n, PixelNear* to);       \

@@ -211,7 +211,7 @@ class Near {
     // Records lie too far apart for the processor to see them coming.
     HWY_INLINE void fetch(std::uint32_t candidate) const {
         const float* of = vectors_.of(candidate);
-        hwy::Prefetch(of);
+        for (size_t k = 0; k < vectors_.stride(); k += 16) hwy::Prefetch(of + k);
         hwy::Prefetch(of + vectors_.stride() - 1);
     }
     static HWY_INLINE auto within(const float* of, const float* centre, const float* bound) {
@@ -271,21 +271,59 @@ void take_near(const SampleVectors& vectors, const DrawnSamples& drawn, const fl
     rows.finish();
 }
 
-// Some are written whether taken or not, which is sooner done than asked.
+namespace {
+
+// Samples of pixels side by side, eight at a time, some of which are written whether taken or not:
+// that is sooner done than asked.
+constexpr hn::CappedTag<std::uint32_t, 8> eight{};
+using V8 = hn::Vec<decltype(eight)>;
+// to[i] = first + which(i) for i of the first n, and some more.
+template <class Which>
+HWY_INLINE std::uint32_t* take_some(size_t first, size_t n, Which&& which, std::uint32_t* to) {
+    size_t i = 0;
+    do {
+        const V8 numbers = hn::Add(hn::Set(eight, std::uint32_t(i)), hn::Iota(eight, 0));
+        hn::StoreU(hn::Add(hn::Set(eight, std::uint32_t(first)), which(numbers)), eight, to + i);
+        i += hn::MaxLanes(eight);
+    } while (i < n);
+    return to + n;
+}
+
+// 32 bits to 32 bits, one to one, every input bit reaching every output bit (the finalizer of
+// Appleby's MurmurHash3, 2011).
+HWY_INLINE V8 mix(V8 x) {
+    x = hn::Mul(hn::Xor(x, hn::ShiftRight<16>(x)), hn::Set(eight, 0x85ebca6bu));
+    x = hn::Mul(hn::Xor(x, hn::ShiftRight<13>(x)), hn::Set(eight, 0xc2b2ae35u));
+    return hn::Xor(x, hn::ShiftRight<16>(x));
+}
+
+}  // namespace
+
 std::uint32_t* take_first(const Samples& samples, size_t pixel,
                           std::span<const std::uint16_t> counts, std::uint32_t* to) {
-    constexpr hn::CappedTag<std::uint32_t, 8> whole{};
-    const auto one_by_one = hn::Iota(whole, 0);
     for (const std::uint16_t count : counts) {
         const auto [begin, end] = samples.of_pixel(pixel++);
-        const size_t taken = std::min<size_t>(count, end - begin);
-        size_t i = 0;
-        do {
-            hn::StoreU(hn::Add(hn::Set(whole, std::uint32_t(begin + i)), one_by_one), whole,
-                       to + i);
-            i += hn::MaxLanes(whole);
-        } while (i < taken);
-        to += taken;
+        to = take_some(
+            begin, std::min<size_t>(count, end - begin), [](V8 number) HWY_ATTR { return number; },
+            to);
+    }
+    return to;
+}
+
+std::uint32_t* take_any(const Samples& samples, size_t pixel, std::span<const std::uint16_t> counts,
+                        std::uint32_t chance, std::uint32_t* to) {
+    constexpr size_t most = 1 << 16;  // samples of a pixel that are told apart; more are not drawn
+    for (const std::uint16_t count : counts) {
+        const auto [begin, end] = samples.of_pixel(pixel);
+        const V8 n = hn::Set(eight, std::uint32_t(std::min(end - begin, most - 1))),
+                 key = hn::Set(eight, chance ^ std::uint32_t(pixel++) * 0x9e3779b1u);
+        to = take_some(
+            begin, end > begin ? count : 0,
+            [&](V8 number) HWY_ATTR {
+                const V8 bits = mix(hn::Xor(key, hn::Mul(number, hn::Set(eight, 0x85157af5u))));
+                return hn::ShiftRight<16>(hn::Mul(hn::ShiftRight<16>(bits), n));
+            },
+            to);
     }
     return to;
 }

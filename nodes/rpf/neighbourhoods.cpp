@@ -218,7 +218,7 @@ struct NeighbourhoodsNode {
     }
 };
 
-WEFT_NODE(NeighbourhoodsNode, "neighbourhoods", 3)
+WEFT_NODE(NeighbourhoodsNode, "neighbourhoods", 4)
 
 }  // namespace
 }  // namespace weft

@@ -167,6 +167,40 @@ TEST_P(Kernels, take_the_first_of_each_pixel) {
     EXPECT_EQ(taken, expected);
 }
 
+TEST_P(Kernels, take_any_of_each_pixel_as_often_as_asked) {
+    const Samples samples = feature_samples(
+        40, 30, [](size_t pixel) { return pixel % 9; }, [](const Drawn& d) { return d.l; },
+        [](const Drawn&) { return 0.5f; });
+    std::vector<std::uint16_t> counts;
+    for (size_t i = 0; i < 1000; ++i) counts.push_back(std::uint16_t(i * 5 % 23));
+    std::vector<std::uint32_t> taken(100000);
+    std::vector<size_t> times(samples.size(), 0);
+    for (std::uint32_t chance = 0; chance < 50; ++chance) {
+        const auto* end = WEFT_PICK(take_any)(samples, 7, counts, chance * 77, taken.data());
+        const std::uint32_t* next = taken.data();
+        for (size_t i = 0; i < counts.size(); ++i) {
+            const auto [first, last] = samples.of_pixel(7 + i);
+            for (size_t k = 0; k < counts[i] && last > first; ++k) {
+                ASSERT_GE(*next, first);
+                ASSERT_LT(*next, last);
+                ++times[*next++];
+            }
+        }
+        ASSERT_EQ(next, end);
+    }
+    // As often as one another: chi-squared, over many pixels.
+    double squares = 0, freedom = 0;
+    for (size_t i = 0; i < counts.size(); ++i) {
+        const auto [first, last] = samples.of_pixel(7 + i);
+        if (last < first + 2 || counts[i] == 0) continue;
+        const double expected = 50.0 * counts[i] / double(last - first);
+        for (size_t j = first; j < last; ++j)
+            squares += std::pow(double(times[j]) - expected, 2) / expected;
+        freedom += double(last - first - 1);
+    }
+    EXPECT_NEAR(squares / freedom, 1, 5 * std::sqrt(2 / freedom));
+}
+
 TEST_P(Kernels, lay_out_rows_with_mean_and_deviation) {
     const SampleVectors v = vectors_of(textured(3));
     for (const size_t count : {1u, 7u, 16u, 129u, 1296u}) {
