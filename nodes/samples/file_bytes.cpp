@@ -67,10 +67,9 @@ FileBytes map_file(const std::string& path) {
     return file;
 }
 
-void forget_pages(std::span<const float> values) {
+void forget_pages(std::span<const std::uint8_t> bytes) {
     const auto page = std::uintptr_t(::sysconf(_SC_PAGESIZE));
-    const auto begin = reinterpret_cast<std::uintptr_t>(values.data()),
-               end = begin + values.size_bytes();
+    const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()), end = begin + bytes.size();
     const std::uintptr_t first = (begin + page - 1) / page * page, last = end / page * page;
     if (first >= last) return;
     const std::lock_guard lock(mappings().mutex);

@@ -25,8 +25,13 @@ struct FileBytes {
 // Throws Error naming the path and the system's reason.
 FileBytes map_file(const std::string& path);
 
-// The pages that lie wholly in these values, where they are of a mapped file: they are no more of the
-// process's memory until they are looked at again. All else stays as it is. Safe while others read.
-void forget_pages(std::span<const float> values);
+// The pages that lie wholly in these bytes, where they are of a mapped file: they are no more of
+// the process's memory until they are looked at again. All else stays as it is. Safe while others
+// read.
+void forget_pages(std::span<const std::uint8_t> bytes);
+inline void forget_pages(std::span<const float> values) {
+    forget_pages(
+        std::span(reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()));
+}
 
 }  // namespace weft

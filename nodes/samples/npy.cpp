@@ -8,6 +8,7 @@
 #include "runtime/context.h"
 #include "runtime/large_array.h"
 #include "samples/convert.h"
+#include "samples/file_bytes.h"
 #include "samples/little_endian.h"
 
 namespace weft {
@@ -125,15 +126,17 @@ bool lies_right(std::span<const std::uint8_t> data) {
     return reinterpret_cast<std::uintptr_t>(data.data()) % alignof(T) == 0;
 }
 
-// Converts number by number in pieces of a quarter of a million.
+// Converts number by number in pieces of a quarter of a million. Pages of a mapped file go as they
+// are copied.
 template <class To, class Piece>
 Array<To> converted(const Npy& array, Context& ctx, Piece&& piece) {
     const auto count = size_t(array.numbers());
     const auto values = std::make_shared<LargeArray<To>>(count);
     const auto item = size_t(array.item_size);
     ctx.parallel(count, size_t{1} << 18, [&](size_t begin, size_t end) {
-        piece(array.data.subspan(begin * item, (end - begin) * item),
-              std::span(*values).subspan(begin, end - begin));
+        const auto from = array.data.subspan(begin * item, (end - begin) * item);
+        piece(from, std::span(*values).subspan(begin, end - begin));
+        forget_pages(from);
     });
     return {*values, values};
 }

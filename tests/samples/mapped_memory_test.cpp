@@ -4,6 +4,7 @@
 
 #include "sample_files.h"
 #include "samples/write_npz.h"
+#include "tests/mapped_bytes.h"
 
 namespace weft::testing {
 namespace {
@@ -38,6 +39,23 @@ TEST(Memory, a_mapped_buffer_of_240_MB_adds_less_than_16_MB) {
     const double added = anonymous_bytes() - before;
     EXPECT_EQ(s.size(), size_t(1024) * 640 * 8);
     EXPECT_LT(added, 16e6);
+}
+
+TEST(Memory, what_is_copied_from_a_mapped_file_is_there_once) {
+    const TemporaryFolder folder;
+    if (mapped_bytes() < 0) GTEST_SKIP() << "no RssFile in /proc/self/status";
+    PlainContext ctx;
+    write_npz(small_buffer(512, 320, 8), folder / "a.npz", false, ctx);
+    std::string moved(1, 'x');
+    moved += bytes_in(folder / "a.npz");
+    put_bytes(folder / "odd.npz", moved);
+    FileBytes odd = map_file(folder / "odd.npz");
+    odd.bytes = odd.bytes.subspan(1);
+    const double before = mapped_bytes();
+    const Samples s = read_sample_file(odd, {}, ctx);
+    EXPECT_EQ(s.size(), size_t(512) * 320 * 8);
+    ASSERT_GT(double(odd.bytes.size()), 60e6);
+    EXPECT_LT(mapped_bytes() - before, 0.1 * double(odd.bytes.size()));
 }
 
 }  // namespace
