@@ -16,7 +16,7 @@ namespace {
 
 struct BuildVectors {
     std::vector<std::string> random, features;
-    bool pixels = true;
+    bool pixels = true, bounds = true;
 
     static void declare(Ports<BuildVectors>& node) {
         node.about(
@@ -34,7 +34,10 @@ struct BuildVectors {
                    {.about = "features, as normal, albedo; empty: all channels of role 'feature'"})
             .param("pixels", &BuildVectors::pixels,
                    {.about = "find what the samples of each pixel say together, too: "
-                             "bilateral-filter-pixels goes by that"});
+                             "bilateral-filter-pixels goes by that"})
+            .param("bounds", &BuildVectors::bounds,
+                   {.about = "find between which numbers the samples of each pixel are: draws "
+                             "gaussian and distinct of neighbourhoods are sooner done by that"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
@@ -59,7 +62,7 @@ struct BuildVectors {
         for (const Channel* c : chosen(samples, random, Role::random)) add(*c, Role::random);
         for (const Channel* c : chosen(samples, features, Role::feature)) add(*c, Role::feature);
         fill(channels, v, ctx);
-        rpf::find_pixel_bounds(v, ctx);
+        if (bounds) rpf::find_pixel_bounds(v, ctx);
         if (pixels) rpf::find_pixel_statistics(v, ctx);
         out.set("vectors", std::move(v));
     }
