@@ -5,6 +5,7 @@
 // what a scene in focus does not need.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "image/image.h"
@@ -20,7 +21,7 @@ enum class Choice { sampled, fixed };
 enum class Position { spread, center };
 
 struct OutputLocations {
-    int per_pixel = 128, per_slice = 1, sets = 1;
+    int per_pixel = 128, per_slice = 1, per_light_point = 1, sets = 1;
     float spacing = 0;
     std::uint64_t seed = 1;
     Choice lens = Choice::sampled, time = Choice::sampled;
@@ -41,6 +42,10 @@ struct OutputLocations {
                    {.unit = "px", .min = 0, .max = 64,
                     .about = "more of a pixel's locations have one (u, v, t) where what is seen is then still shown at places no farther apart than "
                              "this, by the mean square of its blur: faster in focus, same picture up to noise; 0: nowhere"})
+            .param("per-light-point", &OutputLocations::per_light_point,
+                   {.min = 1, .max = 64,
+                    .about = "of a pixel's locations that have one (u, v, t), as many look at a light from one of its points, too, and those that see "
+                             "one surface ask for its shadow once: faster, fewer points of the light"})
             .param("sets", &OutputLocations::sets,
                    {.min = 1, .max = 16,
                     .about = "sets of (u, v, t) that neighbouring pixels take in turn: noise instead of dots in large highlights, slower"})
@@ -56,6 +61,9 @@ struct OutputLocations {
     // Blocks of pixels, aligned to the picture so that nothing depends on tiles, each share slices as
     // far as their blur allows: of a pixel's locations per-slice times 2^level have one (u, v, t).
     static constexpr int block = light_field::location_block, levels = 7;
+    // Of locations with one (u, v, t), those that look at a light together are a sixteenth at the most: where there are few slices, their lens and
+    // light points would be few together.
+    static constexpr size_t most_together = 16;
 
     struct Scratch {
         std::vector<light_field::LensPoint> points[levels];  // slice by slice, set by set
@@ -74,6 +82,9 @@ struct OutputLocations {
 
     size_t each(int level) const { return size_t(per_slice) << level; }
     size_t slices(int level) const { return (size_t(per_pixel) + each(level) - 1) / each(level); }
+    // Of a pixel's locations that have one (u, v, t), how many are in a batch, and how many batches these are.
+    size_t parts(int level) const { return each(level) / together(level); }
+    size_t together(int level) const { return std::gcd(std::max<size_t>(each(level) / most_together, 1), size_t(per_light_point)); }
 
     const std::vector<light_field::LensPoint>& points_of(int level, const Inputs& in, Scratch& scratch) const {
         std::vector<light_field::LensPoint>& points = scratch.points[level];
@@ -137,17 +148,17 @@ struct OutputLocations {
     bool next(const Inputs& in, size_t index, Outputs& out, Scratch& scratch) const {
         const Tile& tile = in.tile();
         if (!scratch.filled || scratch.of.index != tile.index || index == 0) begin_tile(in, scratch);
-        // Level by level, slice by slice, set by set, location by location of a pixel: what shares (u, v, t) is neighbours.
+        // Level by level, slice by slice, set by set, some by some of a pixel's locations: what shares (u, v, t) is neighbours.
         int level = 0;
         const auto& of_blocks = scratch.level;
         for (;; ++level) {
             if (level == levels) return false;
             if (std::find(of_blocks.begin(), of_blocks.end(), level) == of_blocks.end()) continue;
-            const size_t batches = slices(level) * size_t(sets) * each(level);
+            const size_t batches = slices(level) * size_t(sets) * parts(level);
             if (index < batches) break;
             index -= batches;
         }
-        const size_t point = index / each(level), i = point / size_t(sets) * each(level) + index % each(level);
+        const size_t point = index / parts(level), number = point / size_t(sets) * parts(level) + index % parts(level);
         const int set = int(point % size_t(sets));
         const light_field::LensPoint p = points_of(level, in, scratch)[point];
         Locations& at = out.get<Locations>("locations");
@@ -159,18 +170,35 @@ struct OutputLocations {
         at.y0 = tile.y0;
         at.x1 = tile.x1;
         at.y1 = tile.y1;
-        at.number = i;
-        const size_t most = size_t(tile.width()) * size_t(tile.height());
+        at.number = number;
+        at.together = 0;
+        const size_t most = together(level) * size_t(tile.width()) * size_t(tile.height());
         at.x.resize(most);
         at.y.resize(most);
         at.own_pixels.resize(most);
+        // The first locations of all batches, which ask for shadows, are themselves evenly spread; so are the second.
+        const size_t batches = slices(level) * parts(level);
+        size_t n = 0;
+        for (size_t i = number; at.together < together(level) && i < size_t(per_pixel); i += batches, ++at.together)
+            n = add_one_a_pixel(in, scratch, level, set, i, at, n);
+        at.together = std::max<size_t>(at.together, 1);
+        at.pixels = std::span(at.own_pixels).first(n);
+        at.parents = {};
+        return true;
+    }
+
+  private:
+    // Location i of each of the tile's pixels that are of a level and a set, from place n of the batch on; returns the place after them.
+    size_t add_one_a_pixel(const Inputs& in, const Scratch& scratch, int level, int set, size_t i, Locations& at, size_t n) const {
+        const Tile& tile = in.tile();
+        const auto& of_blocks = scratch.level;
         const auto pattern = light_field::pixel_pattern(std::uint32_t(i));
         const bool spread = position == Position::spread;
         const size_t wide = size_t(tile.width());
         const bool some = sets > 1 || std::count(of_blocks.begin(), of_blocks.end(), level) < std::ptrdiff_t(of_blocks.size());
         const int blocks_across = (tile.x1 + block - 1) / block - tile.x0 / block;
-        size_t n = 0, pixel = 0;
-        for (int y = tile.y0; y < tile.y1 && i < size_t(per_pixel); ++y, pixel += wide) {
+        size_t pixel = 0;
+        for (int y = tile.y0; y < tile.y1; ++y, pixel += wide) {
             // A whole row, as vectors; then, where not all pixels are in this batch, those that are.
             float *to_x = &at.x[n], *to_y = &at.y[n];
             std::uint32_t* to_pixel = &at.own_pixels[n];
@@ -195,9 +223,7 @@ struct OutputLocations {
             }
             n += kept;
         }
-        at.pixels = std::span(at.own_pixels).first(n);
-        at.parents = {};
-        return true;
+        return n;
     }
 };
 

@@ -20,6 +20,7 @@ struct Locations : Batch {
     bool shared = false;         // all records have the same (u, v, t)
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // every location lies in these pixels
     std::uint64_t number = 0;    // of the pixels' locations: what spreads them over further dimensions
+    size_t together = 1;         // locations a pixel: the first of all pixels, then the second, and so on
     std::vector<float> ratio;    // R of each location over the hierarchy's; empty: by their place
 
     float u_of(size_t i) const { return u[shared ? 0 : i]; }

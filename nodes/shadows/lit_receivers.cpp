@@ -14,6 +14,7 @@ void LightBounds::resize(size_t n) {
     for (auto* values : {&x_low, &y_low}) values->resize(n + spare, 2e30f);
     for (auto* values : {&x_high, &y_high}) values->resize(n + spare, -2e30f);
     nearest.resize(n + spare, 0);
+    for (auto* values : {&top, &rise_x, &rise_y}) values->resize(n + spare, 0);
     group.resize(n + spare);
 }
 
@@ -31,22 +32,42 @@ std::vector<LightBounds> bounds_of(const Hierarchy& h) {
         return level;
     };
     std::vector<LightBounds> levels{make(h.groups.size())};
-    for (size_t g = 0; g < levels[0].size; ++g) {
+    LightBounds& groups = levels[0];
+    struct Place {
+        float x, y, inverse;
+    };
+    std::vector<Place> places;
+    for (size_t g = 0; g < groups.size; ++g) {
         const size_t begin = g * Hierarchy::group_size,
                      end = std::min(begin + Hierarchy::group_size, h.size());
+        places.clear();
+        bool anywhere = false;
         for (size_t s = begin; s < end; ++s) {
             const Hierarchy::Velocity v = h.velocity(s);
             for (const float d : {-0.5f, 0.5f}) {
+                if (d > 0 && !h.groups.moves[g]) continue;
                 const float W = h.W[s] + d * v.w;
                 // (What the light's plane passes may be anywhere.)
                 if (!(W > 0)) {
-                    add(levels[0], g, -1e30f, 1e30f, -1e30f, 1e30f, 1e30f);
+                    add(groups, g, -1e30f, 1e30f, -1e30f, 1e30f, 1e30f);
+                    anywhere = true;
                     continue;
                 }
-                const float x = (h.X[s] + d * v.x) / W, y = (h.Y[s] + d * v.y) / W;
-                add(levels[0], g, x, x, y, y, 1 / W);
+                const float inverse = 1 / W, x = (h.X[s] + d * v.x) * inverse,
+                            y = (h.Y[s] + d * v.y) * inverse;
+                add(groups, g, x, x, y, y, inverse);
+                places.push_back({x, y, inverse});
             }
+            if (h.plane_x.empty()) continue;
+            groups.rise_x[g] += h.plane_x[s] / float(end - begin);
+            groups.rise_y[g] += h.plane_y[s] / float(end - begin);
         }
+        const float x = 0.5f * (groups.x_low[g] + groups.x_high[g]),
+                    y = 0.5f * (groups.y_low[g] + groups.y_high[g]);
+        groups.top[g] = anywhere ? 1e30f : 0;
+        for (const Place& p : places)
+            groups.top[g] = std::max(groups.top[g], p.inverse - groups.rise_x[g] * (p.x - x) -
+                                                        groups.rise_y[g] * (p.y - y));
     }
     constexpr size_t few = 64;
     do {

@@ -45,6 +45,35 @@ struct NearTest {
     }
 };
 
+// Whether anything that groups hold may stand before a receiver, wherever it is: by the plane before
+// which nothing of them lies. Most of what is not far is of the receiver's own surface, and does not.
+struct StopTest {
+    VF x, y, x_range, y_range, slope_x, slope_y, least;
+    StopTest(const LitSettings& set, const StillReceiver& r)
+        : x(hn::Set(f, 0.5f * (r.x_low + r.x_high))),
+          y(hn::Set(f, 0.5f * (r.y_low + r.y_high))),
+          x_range(hn::Set(f, 0.5f * (r.x_high - r.x_low))),
+          y_range(hn::Set(f, 0.5f * (r.y_high - r.y_low))),
+          slope_x(hn::Set(f, r.slope_x)),
+          slope_y(hn::Set(f, r.slope_y)),
+          least(hn::Set(f, r.far + r.far * (r.turn * set.bias - rounding))) {}
+    HWY_INLINE hn::Mask<F> operator()(const LightBounds& b, size_t i) const {
+        const auto off = [](VF low, VF high, VF at, VF range, VF slope, VF rise) HWY_ATTR {
+            const VF half = hn::Set(f, 0.5f), middle = hn::Mul(half, hn::Add(low, high)),
+                     side = hn::Mul(half, hn::Sub(high, low));
+            return hn::Sub(hn::MulAdd(hn::Abs(hn::Sub(rise, slope)), side, hn::Mul(hn::Abs(slope), range)),
+                           hn::Mul(slope, hn::Sub(middle, at)));
+        };
+        const auto load = [i](const std::vector<float>& from) HWY_ATTR { return hn::LoadU(f, &from[i]); };
+        const VF off_x = off(load(b.x_low), load(b.x_high), x, x_range, slope_x, load(b.rise_x)),
+                 off_y = off(load(b.y_low), load(b.y_high), y, y_range, slope_y, load(b.rise_y));
+        return hn::Gt(hn::Add(load(b.top), hn::Add(off_x, off_y)), least);
+    }
+
+  private:
+    static constexpr float rounding = 1e-6f;  // of these numbers
+};
+
 // What holds them all.
 StillReceiver around(std::span<const StillReceiver> receivers) {
     StillReceiver all = receivers[0];
@@ -85,7 +114,8 @@ void collect(std::span<const LightBounds> levels, const NearTest& test, LitScrat
                                   HWY_ATTR { pack.store(hn::LoadU(f, &from[g]), &to[n]); };
             keep(groups.x_low, found.x_low), keep(groups.x_high, found.x_high);
             keep(groups.y_low, found.y_low), keep(groups.y_high, found.y_high);
-            keep(groups.nearest, found.nearest);
+            keep(groups.nearest, found.nearest), keep(groups.top, found.top);
+            keep(groups.rise_x, found.rise_x), keep(groups.rise_y, found.rise_y);
             pack.store(numbers_from(std::uint32_t(g)), &found.group[n]);
             n += pack.count;
         }
@@ -200,13 +230,22 @@ void find_lit(const Hierarchy& hits, std::span<const LightBounds> levels, const 
     const LightBounds& near = scratch.near;
     const Looking looking(hits, set);
     for (size_t k = 0; k < receivers.size(); ++k) {
-        const NearTest test(set, receivers[k]);
+        const NearTest is_near(set, receivers[k]);
+        const StopTest may_stop(set, receivers[k]);
         Glance glance;
-        for (size_t i = 0; i < near.size && !glance.stopped; i += lanes)
-            for (unsigned bits =
-                     bits_of(f, hn::And(test(near, i), hn::FirstN(f, near.size - i)));
-                 bits && !glance.stopped; bits &= bits - 1)
+        // What may stop light; then, of the rest, one that is near will do.
+        scratch.others.clear();
+        for (size_t i = 0; i < near.size && !glance.stopped; i += lanes) {
+            const auto all = hn::And(is_near(near, i), hn::FirstN(f, near.size - i));
+            if (hn::AllFalse(f, all)) continue;
+            const auto some = may_stop(near, i);
+            for (unsigned bits = bits_of(f, hn::And(all, some)); bits && !glance.stopped; bits &= bits - 1)
                 looking.look(receivers[k], near.group[i + size_t(__builtin_ctz(bits))], glance);
+            for (unsigned bits = bits_of(f, hn::AndNot(some, all)); bits; bits &= bits - 1)
+                scratch.others.push_back(near.group[i + size_t(__builtin_ctz(bits))]);
+        }
+        for (size_t i = 0; i < scratch.others.size() && !glance.stopped && !glance.near; ++i)
+            looking.look(receivers[k], scratch.others[i], glance);
         lit[k] = !glance.near || glance.stopped ? 0 : glance.passed ? 1 : 2;
     }
 }

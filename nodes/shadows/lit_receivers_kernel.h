@@ -18,6 +18,9 @@ namespace weft::shadows {
 struct LightBounds {
     std::vector<float> x_low, x_high, y_low, y_high;  // px
     std::vector<float> nearest;                       // the greatest 1/w
+    // Of the hierarchy's own groups: that of a plane, which is `top` at the middle of the bounds and rises by
+    // `rise_x`, `rise_y` a px, before which nothing of them lies.
+    std::vector<float> top, rise_x, rise_y;
     std::vector<std::uint32_t> group;                 // which these are of; empty: all, in order
     size_t size = 0;  // the arrays are longer by whole vectors of what is nowhere
 
@@ -51,6 +54,7 @@ struct LitSettings {
 struct LitScratch {
     LightBounds near;
     std::vector<std::uint32_t> open, below;  // of levels above the groups
+    std::vector<std::uint32_t> others;       // groups that stop no light of a receiver
 };
 
 #define WEFT_LIT_RECEIVERS_KERNELS(isa)                                                          \

@@ -123,7 +123,7 @@ class Receivers {
     }
 
     // Looks for what locations `from` see, `seen` of each: where on the film, from which point of
-    // the light, how deep. `receiver(s)` is of(s).
+    // the light, how deep. `receiver(s)` is of(s), and may have a fetch(s) that is called a while before.
     template <class Of>
     void locate(std::uint64_t seed, const Locations& from, std::span<const std::uint32_t> seen,
                 Of&& receiver, ReceiverBatch& batch, Locations& at, ShadowQueries& ask) const {
@@ -135,6 +135,9 @@ class Receivers {
         at.ratio.resize(ratios() ? n : 0);
         ask.metric.assign(metric_.empty() ? 0 : n, {});
         for (size_t l = 0; l < n; ++l) {
+            if constexpr (requires { receiver.fetch(0u); })
+                if (l + ahead < n && seen[l + ahead] != SeenSamples::none)
+                    receiver.fetch(seen[l + ahead]);
             batch.w[l] = 0;
             if (seen[l] == SeenSamples::none) continue;
             if (const std::uint32_t i = h_.order[seen[l]]; !lit_.empty() && lit_[i] > 0) {
@@ -168,10 +171,12 @@ class Receivers {
     }
 
   private:
+    static constexpr size_t ahead = 16;
     static std::array<float, 3> floats(Point3 p) { return {float(p.x), float(p.y), float(p.z)}; }
     void start(std::uint64_t seed, const Locations& from, size_t n, Locations& at) const {
         at.shared = from.shared && view_.same_points();
         at.number = from.number;
+        at.together = from.together;
         at.x.resize(n);
         at.y.resize(n);
         const size_t sets = at.shared ? 1 : n;

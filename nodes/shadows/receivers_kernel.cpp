@@ -1,13 +1,48 @@
 // Where the receivers of a batch are on a light's film.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "light-field/simd.h"
+#include "shadows/plane_vectors.h"
 #include "shadows/receivers.h"
 
 namespace weft::shadows::WEFT_ISA {
 
 using namespace light_field::WEFT_ISA;
+
+namespace {
+
+// Of a pixel's locations that look at the light together, one asks for all that see its surface: those that neither
+// stand before its tangent plane nor behind it by more than they are away on the film (DepthTest::both_planes).
+void share_answers(const LightView& view, const Locations& at, ShadowQueries& ask) {
+    const size_t n = at.x.size();
+    ask.answer_of.clear();
+    if (at.together < 2) return;
+    ask.answer_of.resize(n);
+    std::iota(ask.answer_of.begin(), ask.answer_of.end(), 0u);
+    const float px = 1 / float(view.k);
+    const auto one_surface = [&](size_t a, size_t b) {
+        const PlaneVectors planes(view, at.u_of(a), at.v_of(a), 0);
+        const Seen seen = planes.seen(ask.inverse_depth[a], {ask.slope_x[a], ask.slope_y[a]});
+        const float dx = at.x[b] - at.x[a], dy = at.y[b] - at.y[a],
+                    bend = px * std::sqrt(dx * dx + dy * dy) + 1e-5f,
+                    off = ask.inverse_depth[b] - seen.inverse - (seen.slope.x * dx + seen.slope.y * dy);
+        return std::abs(off) <= bend * seen.inverse;
+    };
+    const size_t pixels = n / at.together;
+    for (size_t l = pixels; l < n; ++l) {
+        if (!(ask.inverse_depth[l] > 0)) continue;
+        for (size_t other = l % pixels; other < l; other += pixels) {
+            if (!(ask.inverse_depth[other] > 0) || !one_surface(other, l)) continue;
+            ask.answer_of[l] = std::uint32_t(other);
+            ask.inverse_depth[l] = 0;
+            break;
+        }
+    }
+}
+
+}  // namespace
 
 void look_from_light(const LightView& view, const ReceiverBatch& r, Locations& at,
                      ShadowQueries& ask) {
@@ -63,6 +98,7 @@ void look_from_light(const LightView& view, const ReceiverBatch& r, Locations& a
         right = hn::Max(right, hn::IfThenElse(in, qx, right));
         bottom = hn::Max(bottom, hn::IfThenElse(in, qy, bottom));
     }
+    share_answers(view, at, ask);
     float x0 = hn::GetLane(hn::MinOfLanes(f, left)), y0 = hn::GetLane(hn::MinOfLanes(f, top)),
           x1 = hn::GetLane(hn::MaxOfLanes(f, right)), y1 = hn::GetLane(hn::MaxOfLanes(f, bottom));
     if (x1 < x0) x0 = y0 = x1 = y1 = 0;

@@ -41,7 +41,8 @@ struct ShadeVisible {
                     fmt::format("'direct' has {} samples and no number {}; expected those that the "
                                 "receivers were found in",
                                 direct.size(), i));
-            const float share = shares.share[l] / queries.chance;
+            const size_t from = queries.answer_of.empty() ? l : queries.answer_of[l];
+            const float share = shares.share[from] / queries.chance;
             for (size_t c = 0; c < 3; ++c) lit.rgba[4 * l + c] += share * rgb[3 * size_t(i) + c];
         }
     }

@@ -49,10 +49,33 @@ struct SoftShadowZReconstruct {
         return test == DepthTest::both_planes && search == 1 && metric == Nearness::round;
     }
 
+    // Those of a tile's samples, which are few runs of the hierarchy's order.
+    class HeldReceivers {
+      public:
+        void start(const Receivers& all, const Hierarchy& camera) {
+            all_ = &all;
+            if (of_ == &camera) return;
+            of_ = &camera;
+            receivers_.resize(size);
+            held_.assign(size, SeenSamples::none);
+        }
+        const Receiver& operator()(std::uint32_t sample) {
+            const size_t place = sample % size;
+            if (held_[place] != sample)
+                held_[place] = sample, receivers_[place] = all_->of(sample);
+            return receivers_[place];
+        }
+        void fetch(std::uint32_t sample) const { __builtin_prefetch(&receivers_[sample % size]); }
+
+      private:
+        static constexpr size_t size = 32768;
+        std::vector<Receiver> receivers_;
+        std::vector<std::uint32_t> held_;  // whose they are
+        const Hierarchy* of_ = nullptr;
+        const Receivers* all_ = nullptr;
+    };
     struct Scratch {
-        std::vector<Receiver> receivers;
-        std::vector<std::uint32_t> held;  // whose they are
-        const Hierarchy* of = nullptr;
+        HeldReceivers held;
         ReceiverBatch batch;
         Locations at;
         ShadowQueries unread;
@@ -71,34 +94,16 @@ struct SoftShadowZReconstruct {
         LightShares& shares = out.get<LightShares>("shares");
         s.at.pixels = from.pixels, s.at.parents = from.parents;
         const Receivers receivers(camera, in.get<Samples>("samples"), view);
-        start(camera, s);
+        s.held.start(receivers, camera);
         const SeenSamples& seen = in.get<SeenSamples>("seen");
         queries.chance = seen.chance;
-        receivers.locate(
-            seed, from, seen.sample,
-            [&](std::uint32_t sample) -> const Receiver& {
-                // The samples of a tile are few runs of the hierarchy's order.
-                const size_t place = sample % cached;
-                if (s.held[place] != sample)
-                    s.held[place] = sample, s.receivers[place] = receivers.of(sample);
-                return s.receivers[place];
-            },
-            s.batch, s.at, queries);
+        receivers.locate(seed, from, seen.sample, s.held, s.batch, s.at, queries);
         const RayVoteAround around(hits, passes, view, {test, bias});
         if (s.at.shared)
             WEFT_PICK(light_vote)(hits, passes, view, s.at, queries, bias, s.vote, shares);
         else
             around.look(s.at, queries, search, search, s.around, shares);
         around.widen(s.at, queries, search, max_widen, s.around, shares);
-    }
-
-  private:
-    static constexpr size_t cached = 32768;
-    static void start(const Hierarchy& camera, Scratch& s) {
-        if (s.of == &camera) return;
-        s.of = &camera;
-        s.receivers.resize(cached);
-        s.held.assign(cached, SeenSamples::none);
     }
 };
 

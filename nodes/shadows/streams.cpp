@@ -20,6 +20,7 @@ void SeenSamples::describe(FieldVisitor& see) const {
 void ShadowQueries::describe(FieldVisitor& see) const {
     see.field("inverse-depth", head(inverse_depth, size()));
     see.field("sample", head(sample, size()));
+    if (!answer_of.empty()) see.field("answer-of", head(answer_of, size()));
 }
 
 void LightShares::describe(FieldVisitor& see) const {

@@ -32,6 +32,7 @@ struct ShadowQueries : Batch {
     std::vector<float> slope_x, slope_y;  // of 1 / w over the film, of the receiver's surface, seen
                                           // from l = 0
     std::vector<std::uint32_t> sample;    // of the camera's buffer; SeenSamples::none
+    std::vector<std::uint32_t> answer_of;  // the location whose share holds for each; empty: its own
     std::vector<FilmMetric> metric;       // by which light samples are near; empty: as px are
     FilmMetric metric_of(size_t l) const { return metric.empty() ? FilmMetric{} : metric[l]; }
     float chance = 1;    // as of SeenSamples: what is found counts 1 / chance times

@@ -1,4 +1,6 @@
 // output-locations' spacing: a pixel's locations share a (u, v, t) where that shows things at places near enough.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "samples/analytic_scene.h"
@@ -93,6 +95,20 @@ TEST(Spacing, ReconstructsAsManyLocations) {
         EXPECT_EQ(counted(GraphRun(tlfr_text(file, locations)), "locations"), 21 * 40 * 37) << locations;
 }
 
+// Nothing is blurred: whatever (u, v, t) and whatever batch a pixel's locations come in, they are the same.
+TEST(PerLightPoint, ReconstructsTheSameLocations) {
+    const TestFolder folder;
+    const std::string file = saved(folder, plane(40, 37, 0, 0));
+    for (const int n : {64, 100, 37}) {
+        const auto run = [&](const std::string& more) { return GraphRun(tlfr_text(file, fmt::format(R"("per-pixel": {}, "spacing": 1{})", n, more))); };
+        const GraphRun alone = run(""), together = run(R"(, "per-light-point": 4)");
+        EXPECT_EQ(counted(together, "locations"), n * 40 * 37);
+        const auto expected = values_of(alone.picture), got = values_of(together.picture);
+        ASSERT_EQ(got.size(), expected.size());
+        for (size_t i = 0; i < got.size(); ++i) ASSERT_NEAR(got[i], expected[i], 2e-5f * std::max(1.0f, std::abs(expected[i]))) << n << " " << i;
+    }
+}
+
 // In focus on the left, blurred on the right, so that blocks share in different ways.
 Samples two_depths() {
     Samples s = random_samples(70, 45, 3, Kind_of::moving_in_depth);
@@ -105,7 +121,8 @@ Samples two_depths() {
 TEST(Spacing, GivesTheSameBitsForAnyTilesAndThreads) {
     const TestFolder folder;
     const std::string file = saved(folder, two_depths());
-    for (const char* locations : {R"("per-pixel": 24, "spacing": 2)", R"("per-pixel": 20, "spacing": 3, "per-slice": 2, "sets": 2)"}) {
+    for (const char* locations : {R"("per-pixel": 24, "spacing": 2)", R"("per-pixel": 20, "spacing": 3, "per-slice": 2, "sets": 2)",
+                                  R"("per-pixel": 50, "spacing": 3, "per-slice": 2, "per-light-point": 2)"}) {
         const auto whole = values_of(GraphRun(tlfr_text(file, locations), 128, 1).picture);
         for (const int tile : {64, 32, 13, 1}) EXPECT_EQ(values_of(GraphRun(tlfr_text(file, locations), tile, 2).picture), whole) << tile;
     }

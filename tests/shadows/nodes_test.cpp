@@ -132,6 +132,28 @@ TEST_P(ShadowScene, IsTheSameWhereAllAreAsked) {
     }
 }
 
+// A pixel's locations that see one surface, one of which asks the light for all.
+TEST_P(ShadowScene, IsAsGoodWhereOneAsksForAll) {
+    TestFolder folder;
+    const std::string file = folder / "scene.json";
+    std::ofstream(file) << GetParam().scene;
+    const auto picture = [&](int tile, int threads, bool fused, const char* together) {
+        return GraphRun(graph_of(file, "shadows"), tile, threads, fused,
+                        {"locations.spacing=1", fmt::format("locations.per-light-point={}", together)})
+            .picture;
+    };
+    const Image truth = GraphRun(graph_of(file, "reference", 7)).picture,
+                alone = picture(32, 1, true, "1"), one = picture(32, 1, true, "4");
+    // A quarter of the 64 points of the light.
+    EXPECT_LT(rmse(one, truth), 1.25 * rmse(alone, truth));
+    EXPECT_EQ(values_of(picture(17, 3, true, "4")), values_of(one));
+    const std::vector<float> fused = values_of(one), apart = values_of(picture(32, 1, false, "4"));
+    size_t unlike = 0;
+    for (size_t i = 0; i < fused.size(); ++i)
+        unlike += std::abs(fused[i] - apart[i]) > 1e-4f * std::max(1.0f, apart[i]);
+    EXPECT_LE(unlike, fused.size() / 1000);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Lights, ShadowScene,
     testing::Values(Case{"quad", scene_text(quad)}, Case{"disc", scene_text(disc)},
