@@ -314,14 +314,17 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
             for (size_t i = begin; i < end; ++i) {
                 if (!from.hit(i)) continue;
                 const auto ends = from.ends(i);
-                for (const double t : {0.0, from.time(i), 1.0}) {
-                    const Point3 p = view.from_camera(ends[0], ends[1], t);
-                    if (!(p.z > view.nearest)) continue;
+                const auto add = [&](Point3 p) {
+                    if (!(p.z > view.nearest)) return;
                     for (const double l : {-1.0, 1.0}) {
                         const auto q = view.project(p, l, l);
                         b.add(q[0], q[1]);
                     }
-                }
+                };
+                const Point3 open = view.from_camera(ends[0], ends[1], 0),
+                             way = view.from_camera(ends[0], ends[1], 1) - open;
+                add(open);
+                if (dot(way, way) > 0) add(open + way * from.time(i)), add(open + way);
             }
             return b;
         },

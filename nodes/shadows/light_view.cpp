@@ -41,11 +41,6 @@ Lens LightView::lens() const {
     return out;
 }
 
-Point3 LightView::from_world(Point3 world, double t) const {
-    const Point3 open = world_to_light[0].point(world), close = world_to_light[1].point(world);
-    return open + (close - open) * t;
-}
-
 Point3 LightView::to_world(Point3 p, double t) const {
     const Map3 &a = world_to_light[0], &b = world_to_light[1];
     if (t <= 0) return light_to_world[0].point(p);
@@ -53,18 +48,6 @@ Point3 LightView::to_world(Point3 p, double t) const {
     return inverse({between(a.x, b.x), between(a.y, b.y), between(a.z, b.z),
                     between(a.origin, b.origin)})
         .point(p);
-}
-
-Point3 LightView::from_camera(Point3 open, Point3 close, double t) const {
-    const Point3 a = world_to_light[0].point(pixel_to_world[0].point(open)),
-                 b = world_to_light[1].point(pixel_to_world[1].point(close));
-    return a + (b - a) * t;
-}
-
-std::array<double, 2> LightView::project(Point3 p, double lx, double ly) const {
-    const double inverse = 1 / p.z;
-    return {cx + k * p.x * inverse + (c0x() * inverse + c1x()) * lx,
-            cy + k * p.y * inverse + (c0y() * inverse + c1y()) * ly};
 }
 
 std::array<double, 2> LightView::inverse_depth_gradient(Point3 p, Point3 n) const {

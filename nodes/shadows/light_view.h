@@ -94,13 +94,24 @@ class LightView {
     Lens lens() const;  // as samples and hierarchies have it
 
     // A point in light space, given where it is in the world at time t.
-    Point3 from_world(Point3 world, double t) const;
+    Point3 from_world(Point3 world, double t) const {
+        const Point3 open = world_to_light[0].point(world), close = world_to_light[1].point(world);
+        return open + (close - open) * t;
+    }
     Point3 to_world(Point3 in_light_space, double t) const;
     // A camera sample at time t, given its homogeneous position (x z, y z, z) at both ends.
-    Point3 from_camera(Point3 open, Point3 close, double t) const;
+    Point3 from_camera(Point3 open, Point3 close, double t) const {
+        const Point3 a = world_to_light[0].point(pixel_to_world[0].point(open)),
+                     b = world_to_light[1].point(pixel_to_world[1].point(close));
+        return a + (b - a) * t;
+    }
 
     // Where a point in light space, w > 0, lies on the film seen from l.
-    std::array<double, 2> project(Point3 p, double lx, double ly) const;
+    std::array<double, 2> project(Point3 p, double lx, double ly) const {
+        const double inverse = 1 / p.z;
+        return {cx + k * p.x * inverse + (c0x() * inverse + c1x()) * lx,
+                cy + k * p.y * inverse + (c0y() * inverse + c1y()) * ly};
+    }
     // Change of 1/w a px of film, seen from l = 0, of the plane through p with this normal; 0 where
     // the plane is seen edge-on.
     std::array<double, 2> inverse_depth_gradient(Point3 p, Point3 normal) const;

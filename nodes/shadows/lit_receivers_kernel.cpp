@@ -67,7 +67,8 @@ struct StopTest {
         const auto load = [i](const std::vector<float>& from) HWY_ATTR { return hn::LoadU(f, &from[i]); };
         const VF off_x = off(load(b.x_low), load(b.x_high), x, x_range, slope_x, load(b.rise_x)),
                  off_y = off(load(b.y_low), load(b.y_high), y, y_range, slope_y, load(b.rise_y));
-        return hn::Gt(hn::Add(load(b.top), hn::Add(off_x, off_y)), least);
+        // (What is not known may.)
+        return hn::Not(hn::Le(hn::Add(load(b.top), hn::Add(off_x, off_y)), least));
     }
 
   private:
@@ -229,23 +230,33 @@ void find_lit(const Hierarchy& hits, std::span<const LightBounds> levels, const 
     collect(levels, NearTest(set, around(receivers)), scratch);
     const LightBounds& near = scratch.near;
     const Looking looking(hits, set);
+    // What stops a receiver's light, or is near, most often does so for the next one.
+    constexpr std::uint32_t none = 0xffffffff;
+    std::uint32_t stopping = none, beside = none;
     for (size_t k = 0; k < receivers.size(); ++k) {
         const NearTest is_near(set, receivers[k]);
         const StopTest may_stop(set, receivers[k]);
         Glance glance;
         // What may stop light; then, of the rest, one that is near will do.
-        scratch.others.clear();
+        const auto look = [&](std::uint32_t group) {
+            const bool was_near = glance.near;
+            looking.look(receivers[k], group, glance);
+            if (glance.stopped) stopping = group;
+            if (glance.near && !was_near) beside = group;
+        };
+        if (stopping != none) look(stopping);
+        scratch.others.assign(beside != none, beside);
         for (size_t i = 0; i < near.size && !glance.stopped; i += lanes) {
             const auto all = hn::And(is_near(near, i), hn::FirstN(f, near.size - i));
             if (hn::AllFalse(f, all)) continue;
             const auto some = may_stop(near, i);
             for (unsigned bits = bits_of(f, hn::And(all, some)); bits && !glance.stopped; bits &= bits - 1)
-                looking.look(receivers[k], near.group[i + size_t(__builtin_ctz(bits))], glance);
+                look(near.group[i + size_t(__builtin_ctz(bits))]);
             for (unsigned bits = bits_of(f, hn::AndNot(some, all)); bits; bits &= bits - 1)
                 scratch.others.push_back(near.group[i + size_t(__builtin_ctz(bits))]);
         }
         for (size_t i = 0; i < scratch.others.size() && !glance.stopped && !glance.near; ++i)
-            looking.look(receivers[k], scratch.others[i], glance);
+            look(scratch.others[i]);
         lit[k] = !glance.near || glance.stopped ? 0 : glance.passed ? 1 : 2;
     }
 }

@@ -31,9 +31,11 @@ struct ShadeVisible {
         Colors& lit = out.get<Colors>("colors");
         const size_t n = colors.size();
         lit.color_space = colors.color_space;
-        lit.rgba.assign(colors.rgba.begin(), colors.rgba.begin() + std::ptrdiff_t(4 * n));
+        lit.rgba.resize(4 * n);
         lit.valid.assign(colors.valid.begin(), colors.valid.begin() + std::ptrdiff_t(n));
         for (size_t l = 0; l < n; ++l) {
+            float* to = &lit.rgba[4 * l];
+            std::copy_n(&colors.rgba[4 * l], 4, to);
             const std::uint32_t i = queries.sample[l];
             if (i == SeenSamples::none) continue;
             if (3 * size_t(i) + 2 >= rgb.size())
@@ -43,7 +45,7 @@ struct ShadeVisible {
                                 direct.size(), i));
             const size_t from = queries.answer_of.empty() ? l : queries.answer_of[l];
             const float share = shares.share[from] / queries.chance;
-            for (size_t c = 0; c < 3; ++c) lit.rgba[4 * l + c] += share * rgb[3 * size_t(i) + c];
+            for (size_t c = 0; c < 3; ++c) to[c] += share * rgb[3 * size_t(i) + c];
         }
     }
 };
