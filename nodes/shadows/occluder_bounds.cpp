@@ -63,11 +63,13 @@ struct OccluderBounds {
             {"position.x", "position.y", "position.z", "normal.x", "normal.y", "normal.z", "id"});
         visibility.color_space = bounds.color_space = receivers.color_space = "Raw";
         ctx.parallel_rows(samples.height, [&](Rows rows) {
+            std::vector<Point3> places;
             std::vector<ShadowRay> own;
             for (int y = rows.begin; y < rows.end; ++y)
                 for (int x = 0; x < samples.width; ++x) {
-                    const PixelReceiver receiver = rays.receiver(x, y);
-                    rays.of_pixel(x, y, own);
+                    rays.find_places(x, y, places);
+                    const PixelReceiver receiver = rays.receiver(x, y, places);
+                    rays.of_pixel(x, y, places, own);
                     float *seen = visibility.at(x, y), *b = bounds.at(x, y),
                           *r = receivers.at(x, y);
                     size_t lit = 0;

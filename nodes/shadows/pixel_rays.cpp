@@ -34,12 +34,17 @@ PixelRays::PixelRays(const Samples& samples, const LightView& view, const Sample
                         who, samples.size()));
 }
 
-Point3 PixelRays::at(size_t i) const {
-    const auto ends = camera_.ends(i);
-    return view_.from_camera(ends[0], ends[1], camera_.time(i));
+void PixelRays::find_places(int x, int y, std::vector<Point3>& places) const {
+    places.clear();
+    const auto range = samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x));
+    for (size_t i = range.begin; i < range.end; ++i) {
+        const auto ends = camera_.ends(i);
+        places.push_back(view_.from_camera(ends[0], ends[1], camera_.time(i)));
+    }
 }
 
-void PixelRays::of_pixel(int x, int y, std::vector<ShadowRay>& rays) const {
+void PixelRays::of_pixel(int x, int y, std::span<const Point3> places,
+                         std::vector<ShadowRay>& rays) const {
     rays.clear();
     const auto range = samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x));
     auto k =
@@ -48,7 +53,7 @@ void PixelRays::of_pixel(int x, int y, std::vector<ShadowRay>& rays) const {
         const size_t i = source_[k];
         ShadowRay ray;
         ray.sample = std::uint32_t(i), ray.id = id(i);
-        ray.receiver = at(i);
+        ray.receiver = places[i - range.begin];
         ray.light = {view_.ax * double(l_[2 * k]), view_.ay * double(l_[2 * k + 1]), 0};
         const double d2 = double(w_[k]);
         // Hits this near the receiver are the receiver itself (render-light-samples).
@@ -58,7 +63,7 @@ void PixelRays::of_pixel(int x, int y, std::vector<ShadowRay>& rays) const {
     }
 }
 
-PixelReceiver PixelRays::receiver(int x, int y) const {
+PixelReceiver PixelRays::receiver(int x, int y, std::span<const Point3> places) const {
     const auto range = samples_.of_pixel(size_t(y) * size_t(samples_.width) + size_t(x));
     // The id of most hits; of equals the first seen.
     std::vector<std::pair<std::uint32_t, size_t>> seen;
@@ -79,8 +84,7 @@ PixelReceiver PixelRays::receiver(int x, int y) const {
     double z = 0;
     for (size_t i = range.begin; i < range.end; ++i) {
         if (!camera_.hit(i) || id(i) != out.id) continue;
-        const Point3 p = at(i);
-        out.at = out.at + p;
+        out.at = out.at + places[i - range.begin];
         z += double(samples_.z()[i]);
         if (normal_.empty()) continue;
         const double t = camera_.time(i);

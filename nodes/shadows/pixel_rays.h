@@ -2,6 +2,7 @@
 // them: where on the light each began, where its receiver lies, and whether it got there.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -31,12 +32,12 @@ class PixelRays {
     PixelRays(const Samples& samples, const LightView& view, const Samples& light_samples,
               std::string_view who);
 
-    void of_pixel(int x, int y, std::vector<ShadowRay>& rays) const;
-    PixelReceiver receiver(int x, int y) const;
+    // Where a pixel's samples lie, in light space; and what is known of it given that.
+    void find_places(int x, int y, std::vector<Point3>& places) const;
+    void of_pixel(int x, int y, std::span<const Point3> places, std::vector<ShadowRay>& rays) const;
+    PixelReceiver receiver(int x, int y, std::span<const Point3> places) const;
 
   private:
-    // Where sample i lies, in light space.
-    Point3 at(size_t i) const;
     std::uint32_t id(size_t i) const { return ids_.empty() ? 0 : ids_[i]; }
 
     const Samples& samples_;

@@ -126,9 +126,11 @@ struct ShearedVisibility {
         // Rows are filled at once, then joined.
         std::vector<PixelRows> rows(height);
         ctx.parallel_for(height, [&](size_t y) {
+            std::vector<Point3> places;
             std::vector<ShadowRay> own;
             for (size_t x = 0; x < width; ++x) {
-                pixels.of_pixel(int(x), int(y), own);
+                pixels.find_places(int(x), int(y), places);
+                pixels.of_pixel(int(x), int(y), places, own);
                 const float* r = receivers.at(int(x), int(y));
                 const Point3 normal{double(r[3]), double(r[4]), double(r[5])};
                 for (const ShadowRay& ray : own)
