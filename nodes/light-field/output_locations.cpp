@@ -61,9 +61,8 @@ struct OutputLocations {
     // Blocks of pixels, aligned to the picture so that nothing depends on tiles, each share slices as
     // far as their blur allows: of a pixel's locations per-slice times 2^level have one (u, v, t).
     static constexpr int block = light_field::location_block, levels = 7;
-    // Of locations with one (u, v, t), those that look at a light together are a sixteenth at the most: where there are few slices, their lens and
-    // light points would be few together.
-    static constexpr size_t most_together = 16;
+    // As many points of the light one (u, v, t) keeps at least: with fewer, lens and light together would be sampled by few where much is blurred.
+    static constexpr size_t least_light_points = 16;
 
     struct Scratch {
         std::vector<light_field::LensPoint> points[levels];  // slice by slice, set by set
@@ -84,7 +83,7 @@ struct OutputLocations {
     size_t slices(int level) const { return (size_t(per_pixel) + each(level) - 1) / each(level); }
     // Of a pixel's locations that have one (u, v, t), how many are in a batch, and how many batches these are.
     size_t parts(int level) const { return each(level) / together(level); }
-    size_t together(int level) const { return std::gcd(std::max<size_t>(each(level) / most_together, 1), size_t(per_light_point)); }
+    size_t together(int level) const { return std::gcd(std::max<size_t>(each(level) / least_light_points, 1), size_t(per_light_point)); }
 
     const std::vector<light_field::LensPoint>& points_of(int level, const Inputs& in, Scratch& scratch) const {
         std::vector<light_field::LensPoint>& points = scratch.points[level];

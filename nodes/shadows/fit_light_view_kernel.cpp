@@ -286,7 +286,6 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
         place_mesh_light(light, middle, view);
     else
         place_light(light, middle, view);
-    view.still = !view.moves && !turns;
     // A line has some width, or its slopes over the lens would have no ratio.
     view.ax = std::max(view.ax, 1e-6 * view.ay), view.ay = std::max(view.ay, 1e-6 * view.ax);
 
@@ -322,11 +321,10 @@ LightView fit_light_view(const Samples& samples, const FitOptions& options, Cont
                         b.add(q[0], q[1]);
                     }
                 };
-                const Point3 open = view.from_camera(ends[0], ends[1], 0);
+                const Point3 open = view.from_camera(ends[0], ends[1], 0),
+                             way = view.from_camera(ends[0], ends[1], 1) - open;
                 add(open);
-                if (view.still && ends[0] == ends[1]) continue;
-                add(view.from_camera(ends[0], ends[1], from.time(i)));
-                add(view.from_camera(ends[0], ends[1], 1));
+                if (dot(way, way) > 0) add(open + way * from.time(i)), add(open + way);
             }
             return b;
         },

@@ -28,7 +28,6 @@ struct Point3 {
     friend Point3 operator+(Point3 a, Point3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend Point3 operator-(Point3 a, Point3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
     friend Point3 operator*(Point3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-    friend bool operator==(Point3 a, Point3 b) = default;
 };
 inline double dot(Point3 a, Point3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -87,7 +86,6 @@ class LightView {
     std::array<Map3, 2> pixel_to_world;  // (x z, y z, z) of a camera sample, x and y in px
 
     bool moves = false;  // the light does, so still things move in its view
-    bool still = false;  // neither it nor the camera does: both ends of the shutter have the same maps
 
     double c0x() const { return -k * ax; }
     double c0y() const { return -k * ay; }
@@ -97,17 +95,14 @@ class LightView {
 
     // A point in light space, given where it is in the world at time t.
     Point3 from_world(Point3 world, double t) const {
-        const Point3 open = world_to_light[0].point(world);
-        if (still) return open;
-        const Point3 close = world_to_light[1].point(world);
+        const Point3 open = world_to_light[0].point(world), close = world_to_light[1].point(world);
         return open + (close - open) * t;
     }
     Point3 to_world(Point3 in_light_space, double t) const;
     // A camera sample at time t, given its homogeneous position (x z, y z, z) at both ends.
     Point3 from_camera(Point3 open, Point3 close, double t) const {
-        const Point3 a = world_to_light[0].point(pixel_to_world[0].point(open));
-        if (still && open == close) return a;
-        const Point3 b = world_to_light[1].point(pixel_to_world[1].point(close));
+        const Point3 a = world_to_light[0].point(pixel_to_world[0].point(open)),
+                     b = world_to_light[1].point(pixel_to_world[1].point(close));
         return a + (b - a) * t;
     }
 

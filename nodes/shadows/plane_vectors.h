@@ -27,6 +27,15 @@ class PlaneVectors {
         return {inverse, {h.x / divisor, h.y / divisor}};
     }
 
+    // Whether what lies (dx, dy) px from a receiver at 1/w is of its surface: neither before its plane
+    // nor behind it by more than what bends may be.
+    bool one_surface(const Seen& receiver, float dx, float dy, float inverse) const {
+        const float bend = bias_ + px_ * std::sqrt(dx * dx + dy * dy),
+                    off = inverse - receiver.inverse -
+                          (receiver.slope.x * dx + receiver.slope.y * dy);
+        return std::abs(off) <= bend * receiver.inverse;
+    }
+
     // Samples (dx, dy) px from a receiver: 1/w there, and the slopes of their planes from l = 0.
     struct Samples {
         VF dx, dy, inverse, plane_x, plane_y;

@@ -13,22 +13,19 @@ using namespace light_field::WEFT_ISA;
 
 namespace {
 
-// Of a pixel's locations that look at the light together, one asks for all that see its surface: those that neither
-// stand before its tangent plane nor behind it by more than they are away on the film (DepthTest::both_planes).
+// Of a pixel's locations that look at the light together, one asks for all that see its surface.
 void share_answers(const LightView& view, const Locations& at, ShadowQueries& ask) {
     const size_t n = at.x.size();
     ask.answer_of.clear();
     if (at.together < 2) return;
     ask.answer_of.resize(n);
     std::iota(ask.answer_of.begin(), ask.answer_of.end(), 0u);
-    const float px = 1 / float(view.k);
+    constexpr float rounding = 1e-5f;  // of depths, relative
     const auto one_surface = [&](size_t a, size_t b) {
-        const PlaneVectors planes(view, at.u_of(a), at.v_of(a), 0);
-        const Seen seen = planes.seen(ask.inverse_depth[a], {ask.slope_x[a], ask.slope_y[a]});
-        const float dx = at.x[b] - at.x[a], dy = at.y[b] - at.y[a],
-                    bend = px * std::sqrt(dx * dx + dy * dy) + 1e-5f,
-                    off = ask.inverse_depth[b] - seen.inverse - (seen.slope.x * dx + seen.slope.y * dy);
-        return std::abs(off) <= bend * seen.inverse;
+        const PlaneVectors planes(view, at.u_of(a), at.v_of(a), rounding);
+        return planes.one_surface(
+            planes.seen(ask.inverse_depth[a], {ask.slope_x[a], ask.slope_y[a]}),
+            at.x[b] - at.x[a], at.y[b] - at.y[a], ask.inverse_depth[b]);
     };
     const size_t pixels = n / at.together;
     for (size_t l = pixels; l < n; ++l) {
