@@ -44,6 +44,7 @@ class Run {
     Run(const Plan& plan, Executor& executor, Monitor& monitor, const RunOptions& options)
         : plan_(plan), executor_(executor), monitor_(monitor), options_(options), values_(plan) {
         left_.resize(plan.tasks.size());
+        ended_.resize(plan.tasks.size());
         dependents_.resize(plan.tasks.size());
         reports_.resize(plan.tasks.size());
         divided_index_.resize(plan.tasks.size());
@@ -62,7 +63,8 @@ class Run {
         monitor_.begin(plan_);
         executor_.tasks([&](const Executor::Spawn& spawn) {
             for (size_t t = 0; t < plan_.tasks.size(); ++t)
-                if (plan_.tasks[t].needs.empty()) spawn([this, t, &spawn] { run_task(t, spawn); });
+                if (plan_.tasks[t].needs.empty()) ready_.insert(t);
+            start_ready(spawn);
         });
         RunResult result;
         result.errors = std::move(errors_);
@@ -85,7 +87,31 @@ class Run {
         SegmentReport segment;
     };
 
-    void run_task(size_t t, const Executor::Spawn& spawn) {
+    // Who is free takes the ready task that comes first in the plan, and none that comes long after
+    // the first that has not ended: what it makes would wait in memory for readers that come later
+    // still, while who is free can help in the loops of those that run.
+    static constexpr size_t ahead = 2;
+    void start_ready(const Executor::Spawn& spawn) {
+        size_t more = 0;
+        {
+            const std::lock_guard lock(mutex_);
+            const auto near = size_t(std::distance(ready_.begin(), ready_.lower_bound(first_ + ahead)));
+            more = near - std::min(near, spawned_);
+            spawned_ += more;
+        }
+        for (; more > 0; --more)
+            spawn([this, &spawn] {
+                run_task(take_ready());
+                start_ready(spawn);
+            });
+    }
+    size_t take_ready() {
+        const std::lock_guard lock(mutex_);
+        --spawned_;
+        return ready_.extract(ready_.begin()).value();
+    }
+
+    void run_task(size_t t) {
         TaskProgress& progress = monitor_.tasks[t];
         const Task& task = plan_.tasks[t];
         if (options_.stop && *options_.stop) {
@@ -119,7 +145,10 @@ class Run {
         monitor_.span({task.name, task.segment ? "segment" : "node", progress.started_us,
                        progress.ended_us - progress.started_us, thread_number(), ""});
         release_inputs(task);
-        for (size_t next : ready_after(t)) spawn([this, next, &spawn] { run_task(next, spawn); });
+        const std::lock_guard lock(mutex_);
+        for (const size_t next : dependents_[t])
+            if (--left_[next] == 0) ready_.insert(next);
+        end(t);
     }
 
     void run_divided(size_t t, NodeContext& ctx) {
@@ -180,12 +209,10 @@ class Run {
         for (const auto& [node, port] : read) values_.release({node, port});
     }
 
-    std::vector<size_t> ready_after(size_t t) {
-        std::vector<size_t> ready;
-        const std::lock_guard lock(mutex_);
-        for (size_t next : dependents_[t])
-            if (--left_[next] == 0) ready.push_back(next);
-        return ready;
+    // Under the mutex.
+    void end(size_t t) {
+        ended_[t] = true;
+        while (first_ < ended_.size() && ended_[first_]) ++first_;
     }
 
     // Whatever waits for the task, directly or not, cannot run.
@@ -198,6 +225,7 @@ class Run {
         if (const std::string inputs = inputs_text(graph, node); !inputs.empty()) error.message += " [" + inputs + "]";
         const std::lock_guard lock(mutex_);
         monitor_.tasks[t].state = TaskProgress::failed;
+        end(t);
         std::vector<size_t> open = {t};
         while (!open.empty()) {
             const size_t from = open.back();
@@ -205,6 +233,7 @@ class Run {
             for (size_t next : dependents_[from]) {
                 if (monitor_.tasks[next].state == TaskProgress::skipped) continue;
                 monitor_.tasks[next].state = TaskProgress::skipped;
+                end(next);
                 for (int n : plan_.tasks[next].nodes) error.skipped.push_back(graph.nodes[size_t(n)].name);
                 open.push_back(next);
             }
@@ -220,6 +249,10 @@ class Run {
     std::mutex mutex_;
     std::vector<size_t> left_;
     std::vector<std::vector<size_t>> dependents_;
+    std::set<size_t> ready_;
+    size_t spawned_ = 0;       // of these are soon taken
+    std::vector<bool> ended_;  // done, failed or skipped
+    size_t first_ = 0;         // that has not ended
     std::vector<Report> reports_;
     std::vector<DividedTask> divided_;
     std::vector<std::uint32_t> divided_index_;  // of each task, in divided_

@@ -1,5 +1,7 @@
-// blend-images: one picture where a third is low, another where it is high, and a smooth step between.
+// blend-images: one picture where a third is low, another where it is high, and a step between.
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "image/image.h"
 #include "image/image_cost.h"
@@ -9,17 +11,21 @@
 namespace weft {
 namespace {
 
+enum class Step { smooth, linear };
+
 struct BlendImages {
     float low = 0, high = 1;
+    Step step = Step::smooth;
 
     static void declare(Ports<BlendImages>& node) {
         node.about("one picture or another, pixel by pixel, by the values of a third")
             .in<Image>("low", "the picture where 'by' is at most 'low'")
             .in<Image>("high", "the picture where it is at least 'high'; same size and channels")
             .in<Image>("by", "its first channel decides; same size")
-            .out<Image>("image", "low + (high - low) s, s a smooth step of 'by'")
+            .out<Image>("image", "low + (high - low) s, s a step of 'by' from 0 to 1")
             .param("low", &BlendImages::low, {.about = "value of 'by' up to which the first picture is taken"})
-            .param("high", &BlendImages::high, {.about = "value of 'by' from which on the second is taken"});
+            .param("high", &BlendImages::high, {.about = "value of 'by' from which on the second is taken"})
+            .choice("step", &BlendImages::step, {"smooth", "linear"}, {.about = "how the one becomes the other between: 3 t^2 - 2 t^3, or t"});
     }
 
     Cost cost(const Shapes& in) const { return cost_like(in, "low", "image"); }
@@ -36,7 +42,7 @@ struct BlendImages {
         ctx.parallel_rows(a.height(), [&](Rows rows) {
             for (int y = rows.begin; y < rows.end; ++y)
                 for (int x = 0; x < a.width(); ++x) {
-                    const float s = smooth_step(low, high, *by.at(x, y));
+                    const float s = step_of(*by.at(x, y));
                     for (int c = 0; c < a.channels(); ++c) {
                         // Taken as they are at the ends, so that what is not finite in the one does not reach the other.
                         const float first = a.at(x, y)[c], second = b.at(x, y)[c];
@@ -46,6 +52,9 @@ struct BlendImages {
         });
         out.set("image", std::move(result));
     }
+
+  private:
+    float step_of(float by) const { return step == Step::smooth ? smooth_step(low, high, by) : std::clamp((by - low) / (high - low), 0.0f, 1.0f); }
 };
 
 WEFT_NODE(BlendImages, "blend-images", 1);

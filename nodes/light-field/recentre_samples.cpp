@@ -10,6 +10,7 @@
 
 #include "light-field/build_hierarchy_kernel.h"
 #include "runtime/node.h"
+#include "samples/take_samples.h"
 
 namespace weft {
 namespace {
@@ -18,10 +19,13 @@ using namespace light_field;
 constexpr std::string_view source = "source_sample";
 
 struct RecentreSamples {
+    std::vector<std::string> channels;
+
     static void declare(Ports<RecentreSamples>& node) {
         node.about("the samples as seen from the lens centre at half time; those past the picture's edges are put into the pixels there")
             .in<Samples>("samples", "xy, z and rgb; uv with a lens, t and motion where it has them")
-            .out<Samples>("samples", "in pixels of their new places, any number a pixel, without lens and motion; source_sample says which is which");
+            .out<Samples>("samples", "in pixels of their new places, any number a pixel, without lens and motion; source_sample says which is which")
+            .param("channels", &RecentreSamples::channels, {.about = "that are carried along beside xy and rgb, as normal; empty: all"});
     }
     Cost cost(const Shapes& in) const {
         const Shape s = in["samples"];
@@ -61,33 +65,19 @@ struct RecentreSamples {
         to.first = std::move(first);
         to.lens.reset();
         to.channels.clear();
-        for (const Channel& c : from.channels)
-            if (c.name != "uv" && c.name != "t" && c.name != "motion" && c.name != source) to.add(moved(c, c.name == "xy" ? xy : std::vector<float>(), order, ctx));
+        for (Channel c : from.channels)
+            if (is_carried(c.name)) {
+                if (c.name == "xy") c.values = std::move(xy);
+                to.add(take_samples(c, order, ctx));
+            }
         to.add_ids(std::string(source), order);
         out.set("samples", std::move(to));
     }
 
   private:
-    static Channel moved(const Channel& from, const std::vector<float>& instead, const std::vector<std::uint32_t>& order, Context& ctx) {
-        Channel to;
-        to.name = from.name;
-        to.components = from.components;
-        to.role = from.role;
-        const auto k = size_t(from.components);
-        const auto fill = [&](const auto* values, auto& moved_values) {
-            moved_values.resize(order.size() * k);
-            ctx.parallel_for(order.size(), [&](size_t i) { std::copy_n(values + size_t(order[i]) * k, k, &moved_values[i * k]); }, 8192);
-        };
-        if (from.whole()) {
-            std::vector<std::uint32_t> ids;
-            fill(from.ids.view().data(), ids);
-            to.ids = std::move(ids);
-        } else {
-            std::vector<float> values;
-            fill(instead.empty() ? from.values.view().data() : instead.data(), values);
-            to.values = std::move(values);
-        }
-        return to;
+    bool is_carried(const std::string& name) const {
+        if (name == "uv" || name == "t" || name == "motion" || name == source) return false;
+        return channels.empty() || name == "xy" || name == "rgb" || std::find(channels.begin(), channels.end(), name) != channels.end();
     }
 };
 

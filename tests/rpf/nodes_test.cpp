@@ -368,15 +368,23 @@ TEST(RecentreSamples, puts_samples_where_the_lens_centre_sees_them_and_back) {
               "");
 }
 
-TEST(BlurExtent, is_the_distance_that_the_lens_moves_samples_by) {
-    Samples samples = feature_samples(10, 10, 64, grey, grey);
-    samples.lens = Lens{};
-    samples.lens->c1 = 2;
-    const Image blur = RunNode("blur-extent").in("samples", samples).out<Image>("image");
-    // uv evenly in a square of half side 0.7: u^2 + v^2 is 2 * 0.49 / 3 on average.
-    EXPECT_NEAR(*blur.at(5, 5), 2 * std::sqrt(2 * 0.49 / 3), 0.1);
-    samples.lens.reset();
-    EXPECT_EQ(*RunNode("blur-extent").in("samples", samples).out<Image>("image").at(5, 5), 0.0f);
+TEST(RecentreSamples, carries_only_the_channels_that_are_asked_for) {
+    const auto grey = [](const Drawn&) { return 0.5f; };
+    Samples samples = feature_samples(4, 4, 2, grey, grey);
+    samples.add("mark", 1, std::vector<float>(samples.size(), 7));
+    const auto recentred = [&](const std::vector<std::string>& channels) {
+        Json list = Json::list();
+        for (const std::string& name : channels) list.items.push_back(name);
+        return RunNode("recentre-samples")
+            .in("samples", samples)
+            .set("channels", list)
+            .out<Samples>("samples");
+    };
+    const Samples some = recentred({"albedo"}), all = recentred({});
+    EXPECT_NE(some.find("albedo"), nullptr);
+    EXPECT_FALSE(some.rgb().empty());
+    EXPECT_EQ(some.find("mark"), nullptr);
+    EXPECT_NE(all.find("mark"), nullptr);
 }
 
 TEST(BlendImages, takes_either_picture_at_the_ends) {
@@ -397,27 +405,20 @@ TEST(BlendImages, takes_either_picture_at_the_ends) {
         "");
 }
 
-TEST(PreferUnbiased, leaves_noise_and_mends_bias) {
-    Image mean(64, 48, 3), variance(64, 48, 3), picture(64, 48, 3), other(64, 48, 3);
-    for (int y = 0; y < 48; ++y)
-        for (int x = 0; x < 64; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const float noise = 0.2f * (chance(3, std::uint64_t((y * 64 + x) * 3 + c)) - 0.5f);
-                mean.at(x, y)[c] = 1 + noise;
-                variance.at(x, y)[c] = 0.04f / 12;
-                picture.at(x, y)[c] = x < 32 ? 1.0f : 1.3f;
-                other.at(x, y)[c] = 1.01f;
-            }
-    const Image out = RunNode("prefer-unbiased")
-                          .in("image", picture)
-                          .in("other", other)
-                          .in("mean", mean)
-                          .in("variance", variance)
-                          .out<Image>("image");
-    for (int y = 0; y < 48; ++y) {
-        EXPECT_NEAR(out.at(8, y)[0], 1.0f, 0.006f);
-        EXPECT_NEAR(out.at(56, y)[0], 1.01f, 1e-5f);
-    }
+TEST(BlendImages, may_go_from_one_to_the_other_straight) {
+    Image low(3, 1, 1), high(3, 1, 1), by(3, 1, 1);
+    for (int x = 0; x < 3; ++x)
+        *low.at(x, 0) = 2, *high.at(x, 0) = 4, *by.at(x, 0) = 0.25f * float(x + 1);
+    const auto blend = [&](const char* step) {
+        return RunNode("blend-images")
+            .in("low", low)
+            .in("high", high)
+            .in("by", by)
+            .set("step", std::string(step))
+            .out<Image>("image");
+    };
+    for (int x = 0; x < 3; ++x) EXPECT_EQ(*blend("linear").at(x, 0), 2 + 0.5f * float(x + 1));
+    EXPECT_LT(*blend("smooth").at(0, 0), 2.5f);
 }
 
 class RealSamplesByRpf : public testing::TestWithParam<const char*> {};

@@ -147,6 +147,30 @@ TEST(Run, ValuesAreFreedAfterTheirLastReader) {
     }
 }
 
+TEST(Run, WhatComesLaterWaitsUntilWhatIsBeforeItIsDoneWith) {
+    // Of twelve branches that could all begin at once few hold values at any time.
+    std::string nodes;
+    for (int k = 10; k < 22; ++k) {
+        const std::string n = std::to_string(k);
+        nodes += (nodes.empty() ? "" : ", ") + ("\"a" + n) + R"(": {"type": "toy-number"}, "b)" + n + R"(": {"type": "toy-hook", "in": {"number": "a)" + n +
+                 R"("}}, "c)" + n + R"(": {"type": "toy-note", "in": {"number": "b)" + n + R"("}})";
+    }
+    const Graph graph = toy_graph(R"({"weft": 1, "nodes": {)" + nodes + "}}");
+    for (const auto& executor : executors()) {
+        Notes& notes = Notes::instance();
+        size_t made = 0, most = 0;
+        on_hook = [&] {
+            const std::lock_guard lock(notes.mutex);
+            ++made;
+            most = std::max(most, made - notes.numbers.size());
+        };
+        EXPECT_TRUE(run_toy(graph, *executor).ok());
+        on_hook = nullptr;
+        EXPECT_EQ(made, 12u);
+        EXPECT_LE(most, 2u) << executor->threads() << " threads";
+    }
+}
+
 TEST(Taps, AValueIsWrittenAsItsArrays) {
     const Graph graph = toy_graph(R"({"weft": 1, "nodes": {
         "a": {"type": "toy-number", "set": {"value": 2.5}}, "note": {"type": "toy-note", "in": {"number": "a"}}}})");
