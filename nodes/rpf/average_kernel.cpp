@@ -33,48 +33,84 @@ void average_pixels(const SampleVectors& vectors, int x, int y, const PixelLiken
     *effective = total * total / sum_of(sum_ww) * float(vectors.samples.mean_spp());
 }
 
-// Of the samples of a pixel around, each by the pixel's weight and by how like its own features are
-// to the sample's.
-void average_samples(const SampleVectors& vectors, const float* colors, std::uint32_t own, int x,
-                     int y, const PixelLikeness& by, const float* weights,
-                     std::span<const float> factors, float* rgb, float* effective) {
-    const PixelStatistics& p = vectors.pixels;
-    const int width = p.planes.width;
-    const float* mine = vectors.of(own) + p.first;
-    const bool apart =
-        std::any_of(factors.begin(), factors.end(), [](float factor) { return factor > 0; });
-    float sum_w = 0, sum_ww = 0, sum[3] = {};
-    for (int dy = std::max(-by.radius, -y); dy <= std::min(by.radius, p.planes.height - 1 - y);
-         ++dy)
+namespace {
+
+// Which samples the pixels around have, and these pixels' weights; up to whole vectors of weight 0.
+size_t find_around(const SampleVectors& vectors, int x, int y, const PixelLikeness& by,
+                   const float* weights, AroundScratch& around) {
+    constexpr float least = 1e-4f;
+    const int width = vectors.pixels.planes.width, height = vectors.pixels.planes.height;
+    around.sample.clear();
+    around.weight.clear();
+    for (int dy = std::max(-by.radius, -y); dy <= std::min(by.radius, height - 1 - y); ++dy)
         for (int dx = std::max(-by.radius, -x); dx <= std::min(by.radius, width - 1 - x); ++dx) {
-            const float pixel =
+            const float weight =
                 weights[size_t(dy + by.radius) * by.pitch() + size_t(dx + by.radius)];
-            if (!(pixel > 1e-4f)) continue;
+            if (!(weight > least)) continue;
             const auto [begin, end] =
                 vectors.samples.of_pixel(size_t(y + dy) * size_t(width) + size_t(x + dx));
             for (size_t j = begin; j < end; ++j) {
                 if (!vectors.is_whole(j)) continue;
-                float w = pixel;
-                if (apart) {
-                    const float* other = vectors.of(j) + p.first;
-                    VF square = hn::Zero(f);
-                    for (size_t k = 0; k < factors.size(); k += lanes) {
-                        const VF d =
-                            hn::Mul(hn::Sub(hn::LoadU(f, other + k), hn::LoadU(f, mine + k)),
-                                    hn::LoadU(f, &factors[k]));
-                        square = hn::MulAdd(d, d, square);
-                    }
-                    const float distance = sum_of(square);
-                    if (distance > 12) continue;
-                    w *= std::exp(-distance);
-                }
-                sum_w += w;
-                sum_ww += w * w;
-                for (size_t c = 0; c < 3; ++c) sum[c] += w * colors[3 * j + c];
+                around.sample.push_back(std::uint32_t(j));
+                around.weight.push_back(weight);
             }
         }
-    for (size_t c = 0; c < 3; ++c) rgb[c] = sum[c] / sum_w;
-    *effective = sum_w * sum_w / sum_ww;
+    const size_t pitch = (around.sample.size() + lanes - 1) / lanes * lanes;
+    around.weight.resize(pitch, 0.0f);
+    return pitch;
+}
+
+}  // namespace
+
+// What a pixel's samples have in common is laid out once: rows of colours, then of features.
+void average_samples(const SampleVectors& vectors, const float* colors,
+                     std::span<const std::uint32_t> own, int x, int y, const PixelLikeness& by,
+                     const float* weights, std::span<const float> factors, AroundScratch& around,
+                     float* rgb, float* effective) {
+    const size_t first = vectors.pixels.first,
+                 pitch = find_around(vectors, x, y, by, weights, around);
+    std::vector<size_t>& components = around.components;
+    components.clear();
+    for (size_t k = 0; k < factors.size(); ++k)
+        if (factors[k] > 0) components.push_back(k);
+    around.rows.assign((3 + components.size()) * pitch, 0.0f);
+    for (size_t i = 0; i < around.sample.size(); ++i) {
+        const float *color = colors + 3 * size_t(around.sample[i]),
+                    *of = vectors.of(around.sample[i]) + first;
+        float* to = &around.rows[i];
+        for (size_t c = 0; c < 3; ++c, to += pitch) *to = color[c];
+        for (const size_t k : components) {
+            *to = of[k] * factors[k];
+            to += pitch;
+        }
+    }
+    around.mine.resize(components.size());
+    for (size_t o = 0; o < own.size(); ++o) {
+        const float* of = vectors.of(own[o]) + first;
+        for (size_t k = 0; k < components.size(); ++k)
+            around.mine[k] = of[components[k]] * factors[components[k]];
+        const VF zero = hn::Zero(f), far = hn::Set(f, 12.0f);
+        VF sum_w = zero, sum_ww = zero, sum[3] = {zero, zero, zero};
+        for (size_t i = 0; i < pitch; i += lanes) {
+            const float* row = &around.rows[3 * pitch + i];
+            VF distance = zero;
+            for (const float mine : around.mine) {
+                const VF d = hn::Sub(hn::LoadU(f, row), hn::Set(f, mine));
+                distance = hn::MulAdd(d, d, distance);
+                row += pitch;
+            }
+            const VF w = hn::IfThenElseZero(
+                hn::Le(distance, far),
+                hn::Mul(hn::LoadU(f, &around.weight[i]), exp_of_minus(hn::Min(distance, far))));
+            sum_w = hn::Add(sum_w, w);
+            sum_ww = hn::MulAdd(w, w, sum_ww);
+            for (size_t c = 0; c < 3; ++c)
+                sum[c] = hn::MulAdd(w, hn::LoadU(f, &around.rows[c * pitch + i]), sum[c]);
+        }
+        const float total = sum_of(sum_w);
+        for (size_t c = 0; c < 3; ++c) rgb[3 * o + c] = sum_of(sum[c]) / total;
+        effective[o] = total * total / sum_of(sum_ww);
+    }
 }
 
 }  // namespace weft::rpf::WEFT_ISA

@@ -65,6 +65,7 @@ struct BilateralFilterPixels {
     }
     struct Scratch {
         PixelScratch pixels;
+        AroundScratch around;
         std::vector<float> weights, factors;
     };
 
@@ -90,15 +91,12 @@ struct BilateralFilterPixels {
             if (begin == end) continue;
             const float* weights = &scratch.weights[p * by.size()];
             find_factors(v, x, y, scratch);
-            for (size_t i = begin; i < (surfaces ? end : begin + 1); ++i) {
-                if (means)
-                    WEFT_PICK(average_pixels)
-                    (v, x, y, by, weights, &to.rgb[3 * i], &to.effective[i]);
-                else
-                    WEFT_PICK(average_samples)
-                    (v, rgb, n.sample[i], x, y, by, weights, scratch.factors, &to.rgb[3 * i],
-                     &to.effective[i]);
-            }
+            const std::span own(&n.sample[begin], surfaces ? end - begin : 1);
+            if (means) WEFT_PICK(average_pixels)
+            (v, x, y, by, weights, &to.rgb[3 * begin], &to.effective[begin]);
+            else WEFT_PICK(average_samples)(v, rgb, own, x, y, by, weights, scratch.factors,
+                                            scratch.around, &to.rgb[3 * begin],
+                                            &to.effective[begin]);
             for (size_t i = begin + 1; i < end && !surfaces; ++i) {
                 std::copy_n(&to.rgb[3 * begin], 3, &to.rgb[3 * i]);
                 to.effective[i] = to.effective[begin];

@@ -58,6 +58,14 @@ struct PixelScratch {
     std::vector<float> nearness, distances, known, feature_scale, beta;
 };
 
+// Samples of the pixels around one, as rows: weights of their pixels, colours, and those features
+// that count, by their factors.
+struct AroundScratch {
+    std::vector<std::uint32_t> sample;
+    std::vector<float> weight, rows, mine;
+    std::vector<size_t> components;
+};
+
 // What of a kernel is built for each instruction set.
 #define WEFT_RPF_KERNELS                                                                           \
     /* Of each pixel from one on its first samples, `counts` of them or as many as there are.      \
@@ -98,12 +106,12 @@ struct PixelScratch {
     /* The mean colour of the pixels around (x, y) by their weights. */                            \
     void average_pixels(const SampleVectors& vectors, int x, int y, const PixelLikeness& by,       \
                         const float* weights, float* rgb, float* effective);                       \
-    /* That of their samples' colours, each also by the likeness of its features to those of       \
-     * sample `own`: factors */                                                                    \
-    /* times differences, squared, are exponents. */                                               \
-    void average_samples(const SampleVectors& vectors, const float* colors, std::uint32_t own,     \
-                         int x, int y, const PixelLikeness& by, const float* weights,              \
-                         std::span<const float> factors, float* rgb, float* effective);
+    /* For each of some samples of pixel (x, y) that of their samples' colours, each also by the   \
+     * likeness of its features: factors times differences, squared, are exponents. */             \
+    void average_samples(                                                                          \
+        const SampleVectors& vectors, const float* colors, std::span<const std::uint32_t> own,     \
+        int x, int y, const PixelLikeness& by, const float* weights,                               \
+        std::span<const float> factors, AroundScratch& scratch, float* rgb, float* effective);
 
 namespace v2 {
 WEFT_RPF_KERNELS

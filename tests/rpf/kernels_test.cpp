@@ -289,10 +289,60 @@ TEST_P(Kernels, average_pixels_and_their_samples_alike) {
     float pixels[3], each[3], effective_pixels, effective_each;
     const std::vector<float> none(16, 0.0f);
     WEFT_PICK(average_pixels)(v, 12, 9, by, weights.data(), pixels, &effective_pixels);
+    AroundScratch around;
+    const std::vector<std::uint32_t> own = {0};
     WEFT_PICK(average_samples)
-    (v, samples.rgb().data(), 0, 12, 9, by, weights.data(), none, each, &effective_each);
+    (v, samples.rgb().data(), own, 12, 9, by, weights.data(), none, around, each, &effective_each);
     for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(pixels[c], each[c], 2e-4f);
     EXPECT_NEAR(effective_pixels / effective_each, 1, 0.01);
+}
+
+TEST_P(Kernels, average_samples_by_their_features_as_one_by_one) {
+    const Samples samples = textured(4);
+    const SampleVectors v = vectors_of(samples);
+    const Neighbourhoods n = everything(v, 4);
+    const PixelLikeness by;
+    PixelScratch scratch;
+    std::vector<float> weights;
+    WEFT_PICK(weigh_pixels)(v, {0, 9, 1, 10}, weights_of(n, 1, 1), by, scratch, weights);
+    const size_t features = v.components.size() - v.pixels.first;
+    std::vector<float> factors((features + 15) / 16 * 16, 0.0f);
+    for (size_t k = 0; k < features; ++k) factors[k] = k % 3 == 1 ? 0.0f : 2 + float(k);
+    const auto [begin, end] = samples.of_pixel(9 * size_t(samples.width));
+    std::vector<std::uint32_t> own;
+    for (size_t i = begin; i < end; ++i) own.push_back(std::uint32_t(i));
+    std::vector<float> rgb(3 * own.size()), effective(own.size());
+    AroundScratch around;
+    WEFT_PICK(average_samples)
+    (v, samples.rgb().data(), own, 0, 9, by, weights.data(), factors, around, rgb.data(),
+     effective.data());
+    for (size_t o = 0; o < own.size(); ++o) {
+        double w_sum = 0, ww_sum = 0, sum[3] = {};
+        for (int y = 0; y < samples.height; ++y)
+            for (int x = 0; x < samples.width; ++x) {
+                if (std::abs(x) > by.radius || std::abs(y - 9) > by.radius) continue;
+                const float pixel =
+                    weights[size_t(y - 9 + by.radius) * by.pitch() + size_t(x + by.radius)];
+                if (!(pixel > 1e-4f)) continue;
+                const auto [from, to] = samples.of_pixel(size_t(y * samples.width + x));
+                for (size_t j = from; j < to; ++j) {
+                    double distance = 0;
+                    for (size_t k = 0; k < features; ++k)
+                        distance +=
+                            std::pow(double(factors[k]) * double(v.of(j)[v.pixels.first + k] -
+                                                                 v.of(own[o])[v.pixels.first + k]),
+                                     2);
+                    if (distance > 12) continue;
+                    const double w = double(pixel) * std::exp(-distance);
+                    w_sum += w;
+                    ww_sum += w * w;
+                    for (size_t c = 0; c < 3; ++c) sum[c] += w * double(samples.rgb()[3 * j + c]);
+                }
+            }
+        for (size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(rgb[3 * o + c], sum[c] / w_sum, 1e-4 * std::abs(sum[c] / w_sum)) << o;
+        EXPECT_NEAR(effective[o], w_sum * w_sum / ww_sum, 1e-3 * double(effective[o])) << o;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(instruction_sets()),
