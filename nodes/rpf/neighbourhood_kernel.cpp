@@ -100,7 +100,7 @@ class Rows {
           scratch_(scratch),
           out_(out),
           rows_((vectors.stride() + rows_at_once - 1) / rows_at_once * rows_at_once) {
-        out.values.resize(rows_ * out.pitch);
+        out.values.resize(rows_ * out.pitch + Neighbourhoods::padding);
         for (auto* of_row : {&out.mean, &out.scale, &out.low, &out.high})
             of_row->assign(vectors.stride(), 0.0f);
         scratch.sums.assign(rows_ * of_sums, 0.0f);

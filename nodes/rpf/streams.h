@@ -30,7 +30,7 @@ struct Neighbourhoods : Batch {
         own_offset;  // of pixel p of the block are samples [own_offset[p], own_offset[p + 1])
     std::vector<std::uint32_t> sample;  // index in the vectors
     size_t pitch = 0;                   // from row to row: whole vectors, 0 past the last sample
-    LargeArray<float> values;           // rows() x pitch, and some rows more
+    LargeArray<float> values;           // rows() x pitch, maybe some rows more, and padding
     std::vector<float> mean, scale;     // of each row
     std::vector<float> low, high;       // of each row, normalised: its least and its largest number
     std::vector<std::uint32_t> own_record;  // what the base's span looks at
