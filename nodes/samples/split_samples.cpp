@@ -1,6 +1,8 @@
 // split-samples: a sample buffer as two, each pixel's samples by turns. What is made of the one
 // knows nothing of the other, so the other tells how good it is (cross-validate); and how much the
 // two differ tells how noisy.
+#include <fmt/format.h>
+
 #include "runtime/node.h"
 #include "samples/take_samples.h"
 
@@ -25,8 +27,18 @@ struct SplitSamples {
     void run(const Inputs& in, Outputs& out, Context& ctx) const {
         const Samples& samples = in.get<Samples>("samples");
         if (samples.domain != "camera")
-            ctx.fail("samples of domain '" + samples.domain +
-                     "' have no pixels; expected domain 'camera'");
+            ctx.fail(fmt::format("samples of domain '{}' have no pixels; expected domain 'camera'",
+                                 samples.domain));
+        size_t single = 0;
+        for (size_t pixel = 0; pixel < samples.pixels(); ++pixel) {
+            const auto [begin, end] = samples.of_pixel(pixel);
+            single += end - begin == 1;
+        }
+        if (single > 0)
+            ctx.warn(fmt::format(
+                "{} of {} pixels have one sample, which one half has and the other lacks: by these "
+                "pixels the halves cannot be compared",
+                single, samples.pixels()));
         out.set("first", half(samples, 0, ctx));
         out.set("second", half(samples, 1, ctx));
     }

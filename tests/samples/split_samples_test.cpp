@@ -31,13 +31,15 @@ std::vector<float> of(const Samples& samples, size_t pixel) {
 }
 struct Halves {
     Samples first, second;
+    std::vector<std::string> warnings;
 };
 Halves split(const Samples& samples) {
     Halves halves;
-    RunNode("split-samples")
-        .in("samples", samples)
+    RunNode node("split-samples");
+    node.in("samples", samples)
         .run({{"first", &type_info<Samples>(), &halves.first, {}},
               {"second", &type_info<Samples>(), &halves.second, {}}});
+    halves.warnings = node.ctx.warnings;
     return halves;
 }
 
@@ -64,6 +66,13 @@ TEST(SplitSamples, shares_odd_samples_out_as_on_a_chessboard) {
     EXPECT_TRUE(of(halves.first, 2).empty());
     EXPECT_EQ(of(halves.first, 3), (std::vector<float>{3}));
     EXPECT_EQ(of(halves.second, 1), (std::vector<float>{1}));
+}
+
+TEST(SplitSamples, warns_of_pixels_that_only_one_half_knows) {
+    EXPECT_TRUE(split(buffer(3, 1, {2, 3, 0})).warnings.empty());
+    const std::vector<std::string> warnings = split(buffer(3, 1, {1, 3, 1})).warnings;
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(warnings[0].starts_with("2 of 3 pixels have one sample"));
 }
 
 TEST(SplitSamples, loses_no_sample_and_doubles_none_however_many_there_are) {
