@@ -62,7 +62,8 @@ size_t find_around(const SampleVectors& vectors, int x, int y, const PixelLikene
 
 }  // namespace
 
-// What a pixel's samples have in common is laid out once: rows of colours, then of features.
+// What a pixel's samples have in common is laid out once: rows of colours, then of features, these
+// less those of its first sample, as differences of small numbers keep their digits.
 void average_samples(const SampleVectors& vectors, const float* colors,
                      std::span<const std::uint32_t> own, int x, int y, const PixelLikeness& by,
                      const float* weights, std::span<const float> factors, AroundScratch& around,
@@ -74,13 +75,14 @@ void average_samples(const SampleVectors& vectors, const float* colors,
     for (size_t k = 0; k < factors.size(); ++k)
         if (factors[k] > 0) components.push_back(k);
     around.rows.assign((3 + components.size()) * pitch, 0.0f);
+    const float* const base = vectors.of(own[0]) + first;
     for (size_t i = 0; i < around.sample.size(); ++i) {
         const float *color = colors + 3 * size_t(around.sample[i]),
                     *of = vectors.of(around.sample[i]) + first;
         float* to = &around.rows[i];
         for (size_t c = 0; c < 3; ++c, to += pitch) *to = color[c];
         for (const size_t k : components) {
-            *to = of[k] * factors[k];
+            *to = (of[k] - base[k]) * factors[k];
             to += pitch;
         }
     }
@@ -88,7 +90,7 @@ void average_samples(const SampleVectors& vectors, const float* colors,
     for (size_t o = 0; o < own.size(); ++o) {
         const float* of = vectors.of(own[o]) + first;
         for (size_t k = 0; k < components.size(); ++k)
-            around.mine[k] = of[components[k]] * factors[components[k]];
+            around.mine[k] = (of[components[k]] - base[components[k]]) * factors[components[k]];
         const VF zero = hn::Zero(f), far = hn::Set(f, 12.0f);
         VF sum_w = zero, sum_ww = zero, sum[3] = {zero, zero, zero};
         for (size_t i = 0; i < pitch; i += lanes) {
